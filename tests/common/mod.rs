@@ -1,20 +1,29 @@
-//! What the law tests share: random numbers, scenes filled in by hand, and a closed mesh.
-#![allow(dead_code)] // Every test file takes its own part.
+//! What the law tests share: the names that nearly all of them use, random numbers, scenes filled in by hand.
+#![allow(dead_code, unused_imports)] // Every test file takes its own part.
 
 pub mod rays;
 pub mod statistics;
 
-use glam::Vec3;
-use octray::film::Picture;
-use octray::render::{Renderer, Settings};
-use octray::scene::{
-    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle,
+pub use glam::{DVec3, Vec2, Vec3, dvec3, vec2, vec3};
+pub use octray::buffers::{Features, LightChoice, Lights};
+pub use octray::bvh::Trees;
+pub use octray::film::{Film, Picture};
+pub use octray::kernel::{ray_sphere::SphereMethod, ray_triangle::TriangleMethod};
+pub use octray::lane::{Bits, F32x8, F32x16, Lane, Mask, NATIVE_WIDTH, WIDTHS};
+pub use octray::math::{self, MISS, Ray};
+pub use octray::reference::{PathSettings, Reference};
+pub use octray::render::{PipelineChoice, Renderer, Settings};
+pub use octray::sampling::Sampler;
+pub use octray::scene::MaterialKind::{Diffuse, Emitter, Glass, Metal, MetalRough, Plastic, Scatter};
+pub use octray::scene::{
+    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
 };
+pub use octray::tone::Tone;
+pub use octray::traverse::{List, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+pub use octray::traverse::{Traversal, hierarchy::Hierarchy};
 
 // The numbers and rays of `octray stability`.
-#[allow(unused_imports)]
 pub use octray::measure::stability::Rng;
-#[allow(unused_imports)]
 pub use octray::measure::stability::rays::{packet, ray};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z.
@@ -36,6 +45,34 @@ pub fn empty() -> Scene {
     }
 }
 
+pub fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    (b - a).cross(c - a).length() > 0.0
+}
+
+/// Nothing but a white diffuse material.
+pub fn diffuse() -> Scene {
+    Scene { materials: vec![material(Diffuse)], ..empty() }
+}
+
+/// Upright.
+pub fn camera(position: Vec3, look_at: Vec3, vertical_fov: f32) -> Camera {
+    Camera { position, look_at, up: Vec3::Y, vertical_fov }
+}
+
+/// Every kind of material that scatters, rough and smooth.
+pub const KINDS: [MaterialKind; 10] = [
+    Diffuse,
+    Metal { roughness: 0.0 },
+    Metal { roughness: 0.5 },
+    Glass { ior: 1.5 },
+    Glass { ior: 0.7 },
+    Scatter { roughness: 0.8 },
+    Plastic { roughness: 0.0, ior: 1.5 },
+    Plastic { roughness: 0.4, ior: 1.8 },
+    MetalRough { roughness: 0.0, metallic: 0.3, ior: 1.5 },
+    MetalRough { roughness: 0.6, metallic: 0.5, ior: 1.3 },
+];
+
 pub fn material(kind: MaterialKind) -> Material {
     Material::new("m", kind, Vec3::ONE)
 }
@@ -48,33 +85,59 @@ pub fn triangle(vertices: [Vec3; 3], material: u32) -> Triangle {
     Triangle { vertices, material }
 }
 
+pub fn emitter(emission: Vec3) -> Material {
+    Material { emission, ..material(Emitter) }
+}
+
 /// Shines in all colours alike.
 pub fn lamp(radiance: f32) -> Material {
-    Material { emission: Vec3::splat(radiance), ..material(MaterialKind::Emitter) }
+    emitter(Vec3::splat(radiance))
+}
+
+/// The corners of a triangle on the ground at a height, around the y axis, so far in front and to the sides.
+pub fn ground(size: f32, y: f32) -> [Vec3; 3] {
+    [vec3(-size, y, -size), vec3(0.0, y, 2.0 * size), vec3(size, y, -size)]
 }
 
 /// A floor that fills the picture, seen from straight above at `height`, near `foot`, and dark otherwise.
 pub fn floor(foot: Vec3, height: f32) -> Scene {
-    let [a, b, c] = [Vec3::new(-1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(1.0, 0.0, -1.0)];
-    let corners = [a, b, c].map(|corner| foot + corner * 100.0 * height);
     Scene {
         camera: Camera { position: foot + Vec3::Y * height, look_at: foot, up: Vec3::Z, vertical_fov: 0.5 },
         resolution: [8, 8],
         max_bounces: 1,
         sky: Sky::Color(Vec3::ZERO),
-        materials: vec![material(MaterialKind::Diffuse)],
-        triangles: vec![triangle(corners, 0)],
-        ..empty()
+        triangles: vec![triangle(ground(100.0 * height, 0.0).map(|corner| foot + corner), 0)],
+        ..diffuse()
     }
 }
 
-/// The picture of so many samples, all of them finite.
-pub fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
+/// A film of so many samples, all of them finite.
+pub fn film(scene: &Scene, settings: Settings, samples: u32) -> Film {
     let renderer = Renderer::new(scene, settings);
     let mut film = renderer.film();
     renderer.add_samples(&mut film, samples);
     assert_eq!(film.discarded(), 0);
-    film.picture()
+    film
+}
+
+/// Its picture.
+pub fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
+    film(scene, settings, samples).picture()
+}
+
+/// What the judge is told to render the same.
+pub fn path_settings(settings: Settings) -> PathSettings {
+    let Settings { resolution, max_bounces, seed, methods, .. } = settings;
+    PathSettings { resolution, max_bounces, seed, sampler: methods.sampler }
+}
+
+pub fn bits(picture: &Picture) -> Vec<[u32; 3]> {
+    picture.pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// Columns and rows, row by row.
+pub fn places([width, height]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> + Clone {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
 }
 
 /// Of all pixels and channels.
@@ -102,13 +165,13 @@ pub fn smooth_ball(kind: MaterialKind) -> Scene {
     let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
     let mut corners = Vec::new();
     for (a, b) in [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)] {
-        corners.extend([Vec3::new(0.0, a, b), Vec3::new(a, b, 0.0), Vec3::new(b, 0.0, a)]);
+        corners.extend([vec3(0.0, a, b), vec3(a, b, 0.0), vec3(b, 0.0, a)]);
     }
     let near = |a: Vec3, b: Vec3| (a.distance(b) - 2.0).abs() < 1e-3;
     let mut scene = Scene {
-        camera: Camera { position: Vec3::new(0.4, 0.6, 3.6), ..empty().camera },
-        sky: Sky::Gradient { bottom: Vec3::new(0.1, 0.3, 0.2), top: Vec3::new(1.0, 0.8, 0.6) },
-        materials: vec![Material { color: Vec3::new(0.9, 0.8, 0.7), ..material(kind) }],
+        camera: Camera { position: vec3(0.4, 0.6, 3.6), ..empty().camera },
+        sky: Sky::Gradient { bottom: vec3(0.1, 0.3, 0.2), top: vec3(1.0, 0.8, 0.6) },
+        materials: vec![Material { color: vec3(0.9, 0.8, 0.7), ..material(kind) }],
         ..empty()
     };
     for (i, &a) in corners.iter().enumerate() {

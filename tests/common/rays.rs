@@ -1,17 +1,11 @@
 //! Sets of rays, what every traversal finds for them, and what testing every primitive finds.
 
-use super::{Rng, empty, material, sphere, triangle};
-use glam::Vec3;
-use octray::bvh::Trees;
-use octray::lane::Lane;
-use octray::math::{MISS, Ray};
-use octray::scene::{MaterialKind, Scene};
-use octray::traverse::hierarchy::Hierarchy;
+use super::*;
+use octray::traverse::Tracer;
 use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::stack::Stack;
 use octray::traverse::tile::{self, Packets};
-use octray::traverse::{Layout, List, Methods, PrimitiveList};
-use octray::traverse::{Tracer, Traversal};
+use octray::traverse::{Layout, PrimitiveList};
 
 /// t, primitive, u and v of each ray, as bits.
 pub type Answers = Vec<[u32; 4]>;
@@ -30,6 +24,18 @@ pub struct Set {
 /// The weights that hits from before come with.
 const BEFORE: [f32; 2] = [0.125, 0.25];
 
+/// Runs something on columns of hits; returns what it returns, and the hits.
+fn with_columns<R>(
+    mut t: Vec<f32>,
+    mut primitive: Vec<u32>,
+    [mut u, mut v]: [Vec<f32>; 2],
+    run: impl FnOnce(&mut Hits) -> R,
+) -> (R, Answers) {
+    let result = run(&mut Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v });
+    let bits = |i: usize| [t[i].to_bits(), primitive[i], u[i].to_bits(), v[i].to_bits()];
+    (result, (0..t.len()).map(bits).collect())
+}
+
 impl Set {
     pub fn push(&mut self, origin: Vec3, direction: Vec3, t_max: f32) {
         for axis in 0..3 {
@@ -47,16 +53,11 @@ impl Set {
     }
     /// Runs something on columns of hits as they are before tracing; returns what it returns, and the hits.
     fn with_hits<R>(&self, run: impl FnOnce(&mut Hits) -> R) -> (R, Answers) {
-        let weight = |i: usize| {
-            let of_hit = |&one: &u32| if one == MISS { 0.0 } else { BEFORE[i] };
+        let weight = |weight: f32| {
+            let of_hit = |&one: &u32| if one == MISS { 0.0 } else { weight };
             self.primitive.iter().map(of_hit).collect::<Vec<f32>>()
         };
-        let (mut t, mut primitive, mut u, mut v) =
-            (self.t_max.clone(), self.primitive.clone(), weight(0), weight(1));
-        let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-        let result = run(&mut hits);
-        let bits = |i: usize| [t[i].to_bits(), primitive[i], u[i].to_bits(), v[i].to_bits()];
-        (result, (0..self.len()).map(bits).collect())
+        with_columns(self.t_max.clone(), self.primitive.clone(), BEFORE.map(weight), run)
     }
     pub fn through<const ANY: bool>(&self, hierarchy: &Hierarchy, traversal: Traversal) -> Answers {
         self.through_by::<ANY>(&mut Tracer::new(), hierarchy, traversal)
@@ -96,25 +97,23 @@ impl Set {
             let last = column.last().copied().into_iter().cycle();
             column.iter().copied().chain(last).take(count).collect()
         };
-        let (origin, direction) = (
-            self.origin.each_ref().map(|column| padded(column)),
-            self.direction.each_ref().map(|column| padded(column)),
-        );
+        let [origin, direction] =
+            [&self.origin, &self.direction].map(|of| of.each_ref().map(|column| padded(column)));
+        let [of_origin, of_direction] = [&origin, &direction].map(|of| of.each_ref().map(Vec::as_slice));
+        let t_max = padded(&self.t_max);
+        let rays = Rays::new(of_origin, of_direction).first(self.len()).until(&t_max);
+        let weights = [(); 2].map(|()| vec![0.0; count]);
         // Whatever was there before is overwritten.
-        let (t_max, mut t, mut primitive) = (padded(&self.t_max), vec![0.0; count], vec![7; count]);
-        let [mut u, mut v] = [(); 2].map(|()| vec![0.0; count]);
-        let (origin, direction) =
-            (origin.each_ref().map(Vec::as_slice), direction.each_ref().map(Vec::as_slice));
-        let rays = Rays::new(origin, direction).first(self.len()).until(&t_max);
-        let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-        list.trace::<L>(&rays, &mut hits, listed, None);
-        let bits = |i: usize| [t[i].to_bits(), primitive[i], u[i].to_bits(), v[i].to_bits()];
-        (0..self.len()).map(bits).collect()
+        let mut answers = with_columns(vec![0.0; count], vec![7; count], weights, |hits| {
+            list.trace::<L>(&rays, hits, listed, None);
+        });
+        answers.1.truncate(self.len());
+        answers.1
     }
-    /// Every primitive tested in order, at a width of one.
+    /// Every primitive tested in order: at any width the same, see `tests/laws/traversal_laws.rs`.
     pub fn linear(&self, scene: &Scene) -> Answers {
         let endless = Self { t_max: vec![f32::INFINITY; self.len()], ..self.clone() };
-        let nearest = endless.nearest::<f32>(&List::new(scene, Methods::default()), None);
+        let nearest = endless.nearest::<F32x8>(&List::new(scene, Methods::default()), None);
         let before = self.with_hits(|_| ()).1;
         let answer = |at: usize| {
             let [t, primitive, ..] = nearest[at];
@@ -160,9 +159,9 @@ impl Set {
 
 /// Triangles and spheres over `scales` powers of ten around a centre, slivers among them.
 pub fn mixture(rng: &mut Rng, triangles: usize, spheres: usize, scales: f64, offset: f32) -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = Scene { materials: vec![material(Diffuse)], ..empty() };
     let mut number = |range: f64| ((2.0 * rng.unit() - 1.0) * range) as f32;
-    let mut point = |range: f32| Vec3::new(number(1.0), number(1.0), number(1.0)) * range;
+    let mut point = |range: f32| vec3(number(1.0), number(1.0), number(1.0)) * range;
     for i in 0..triangles + spheres {
         let size = 10f32.powf(-(scales as f32) * (i % 7) as f32 / 6.0);
         let center = point(4.0) + offset;

@@ -6,11 +6,31 @@ pub fn allowed(family: usize) -> f64 {
     (2.0 * (2e4 * family as f64).ln()).sqrt()
 }
 
+/// Asserts that of a family of deviations, each with what it is of, none is more than chance allows.
+pub fn assert_all_within(deviations: Vec<(f64, String)>) {
+    let family = deviations.len();
+    for (deviation, what) in deviations {
+        assert!(deviation.abs() < allowed(family), "{what}: {deviation:.1} standard errors");
+    }
+}
+
+/// The mean of some numbers, and its standard error.
+pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (n - 1.0) / n).sqrt())
+}
+
 /// χ² in standard errors from its expectation, by Wilson and Hilferty's cube root, which is normal to within
 /// some percent.
 pub fn chi_squared_deviation(counts: &[usize], expected: f64) -> f64 {
     let chi2: f64 = counts.iter().map(|&count| (count as f64 - expected).powi(2) / expected).sum();
-    let freedom = (counts.len() - 1) as f64;
+    deviation_of(chi2, (counts.len() - 1) as f64)
+}
+
+/// The same of χ² itself with so many degrees of freedom.
+pub fn deviation_of(chi2: f64, freedom: f64) -> f64 {
     let variance = 2.0 / (9.0 * freedom);
     ((chi2 / freedom).cbrt() - (1.0 - variance)) / variance.sqrt()
 }

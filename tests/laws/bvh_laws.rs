@@ -2,11 +2,9 @@
 //! no deeper than promised, and the same bits for any number of threads; on random scenes, on real meshes,
 //! and where builders fail.
 
-use crate::common::{Rng, empty, sphere, triangle};
-use glam::{DVec3, Vec3};
+use crate::common::*;
 use octray::bvh::check::{Statistics, check};
-use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, Trees, WIDE, WideNode};
-use octray::scene::Scene;
+use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, WIDE, WideNode};
 use std::path::Path;
 
 /// Builds over boxes, of which the first `spheres` count as spheres, and checks.
@@ -108,7 +106,7 @@ fn random_scenes_of_both_kinds_make_valid_trees() {
 
 #[test]
 fn equal_boxes_fill_leaves() {
-    let one = at(DVec3::new(1.0, 2.0, 3.0), 0.5);
+    let one = at(dvec3(1.0, 2.0, 3.0), 0.5);
     let statistics = valid(0, &vec![one; 1_000_000]);
     assert!(statistics.leaf_fill > 7.9, "{statistics:?}");
     // Equal centres, different sizes.
@@ -121,10 +119,7 @@ fn equal_boxes_fill_leaves() {
     valid(0, &points);
     // In a line and in a plane.
     valid(0, &points.iter().map(|one| at(one.lo.as_dvec3() * DVec3::X, 0.0)).collect::<Vec<_>>());
-    valid(
-        0,
-        &points.iter().map(|one| at(one.lo.as_dvec3() * DVec3::new(1.0, 0.0, 1.0), 0.0)).collect::<Vec<_>>(),
-    );
+    valid(0, &points.iter().map(|one| at(one.lo.as_dvec3() * dvec3(1.0, 0.0, 1.0), 0.0)).collect::<Vec<_>>());
 }
 
 #[test]
@@ -159,7 +154,7 @@ fn mixed_scales_and_slivers_make_valid_trees() {
         // Longer than the distance between them, along one axis.
         random(20_000, |rng| {
             let x = rng.signed() as f32;
-            Bounds { lo: Vec3::new(x, -1.0, -1.0), hi: Vec3::new(x, 1.0, 1.0) }
+            Bounds { lo: vec3(x, -1.0, -1.0), hi: vec3(x, 1.0, 1.0) }
         }),
         // Far from the origin, where centres are few steps of f32 apart.
         random(20_000, |rng| at(DVec3::splat(1e6) + rng.in_cube(), 0.1)),

@@ -3,13 +3,8 @@
 //! away. The other traversals are held to it as well.
 
 use crate::common::rays::{Set, mixture};
-use crate::common::{Rng, sphere, triangle};
-use glam::{Vec3, Vec3Swizzles};
-use octray::bvh::Trees;
-use octray::math::MISS;
-use octray::scene::Scene;
-use octray::traverse::Traversal;
-use octray::traverse::hierarchy::Hierarchy;
+use crate::common::*;
+use glam::Vec3Swizzles;
 use octray::traverse::stream::BATCH;
 use octray::traverse::tile::TILE;
 
@@ -43,6 +38,11 @@ impl View {
 
 fn hierarchy(scene: &Scene) -> Hierarchy {
     Hierarchy::new(scene, Trees::WideAndBinary)
+}
+
+/// Gives one ray of a set another origin or direction.
+fn put(column: &mut [Vec<f32>; 3], at: usize, value: Vec3) {
+    (0..3).for_each(|axis| column[axis][at] = value[axis]);
 }
 
 #[test]
@@ -93,10 +93,8 @@ fn frustum_of_infinite_bounds_meets_no_box_that_is_not_there() {
     let mut rng = Rng(69);
     let scene = mixture(&mut rng, 2, 0, 0.0, 0.0);
     let mut set = Set::default();
-    for (x, y) in
-        [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (0.0, 1.0), (0.0, 0.0)]
-    {
-        set.push(Vec3::new(0.0, 0.0, -1e38), Vec3::new(100.0 * x, 100.0 * y, 1.0), f32::INFINITY);
+    for (x, y) in [(0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (0, 1), (0, 0)] {
+        set.push(Vec3::Z * -1e38, vec3(100.0 * x as f32, 100.0 * y as f32, 1.0), f32::INFINITY);
     }
     assert!(set.goes_in_a_frustum(&hierarchy(&scene)));
     set.check(&scene, "from far away");
@@ -214,10 +212,8 @@ fn one_odd_ray_harms_no_other() {
             // The first ray, which tells the axis; one within; the last.
             for place in [0, 1 + rng.index(TILE - 2), TILE - 1] {
                 let mut set = view.rays(TILE);
-                for axis in 0..3 {
-                    set.origin[axis][place] = origin[axis];
-                    set.direction[axis][place] = direction[axis];
-                }
+                put(&mut set.origin, place, origin);
+                put(&mut set.direction, place, direction);
                 set.check(&scene, &format!("round {round}, odd ray {what} at {place}"));
             }
         }
@@ -241,7 +237,7 @@ fn rays_without_finite_slopes_harm_no_other() {
             for direction in lengths.into_iter().chain(nans) {
                 let mut set = view.rays(TILE);
                 let expected = set.linear(&scene);
-                (0..3).for_each(|axis| set.direction[axis][place] = direction[axis]);
+                put(&mut set.direction, place, direction);
                 for traversal in Traversal::ALL {
                     let found = set.through::<false>(&hierarchy, traversal);
                     for at in (0..TILE).filter(|&at| at != place) {
@@ -291,7 +287,7 @@ fn tiny_and_far_spheres_among_triangles_change_nothing() {
                 scene.spheres.push(sphere(towards * 1e6, [1e-18, 1.0, 3e5][i % 3], 0));
             }
         }
-        let corner = Vec3::new(2e-3, 1e-3, 0.0);
+        let corner = vec3(2e-3, 1e-3, 0.0);
         scene.triangles.push(triangle([Vec3::ZERO, corner, corner.yzx()], 0));
         for axis in 0..6 {
             for spread in [0.9, 0.01] {
@@ -303,13 +299,12 @@ fn tiny_and_far_spheres_among_triangles_change_nothing() {
                     let target = scene.spheres[i % scene.spheres.len()].center;
                     let direction = (target - view.origin).normalize();
                     if direction.dot(view.main) > 0.1 {
-                        (0..3).for_each(|axis| set.direction[axis][i] = direction[axis]);
+                        put(&mut set.direction, i, direction);
                     }
                 }
                 assert!(set.goes_in_a_frustum(&hierarchy(&scene)));
-                let hits =
-                    set.check(&scene, &format!("far {far}, tiny {tiny}, axis {axis}, spread {spread}"));
-                assert!(hits > 0);
+                let what = format!("far {far}, tiny {tiny}, axis {axis}, spread {spread}");
+                assert!(set.check(&scene, &what) > 0);
             }
         }
         // And from everywhere to everywhere.

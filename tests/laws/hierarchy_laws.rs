@@ -1,20 +1,16 @@
 //! Every way through the hierarchy finds what testing every primitive finds, bit for bit.
 
 use crate::common::rays::{Set, mixture};
-use crate::common::{Rng, sphere};
-use glam::Vec3;
-use octray::bvh::Trees;
-use octray::math::MISS;
+use crate::common::*;
 use octray::measure::ray_sets::{Answers, RaySet};
 use octray::measure::trace::{PreparedScene, TraceMethod, TracePool};
-use octray::traverse::hierarchy::Hierarchy;
 
 /// Directions that divide by zero, or nearly.
 fn awkward(rng: &mut Rng) -> Vec3 {
     let tiny = [0.0, -0.0, 1e-17, -1e-17, 1e-40, -1e-40, 1.0, -1.0, 0.3];
     let mut pick = || tiny[(rng.unit() * tiny.len() as f64) as usize];
     loop {
-        let d = Vec3::new(pick(), pick(), pick());
+        let d = vec3(pick(), pick(), pick());
         if d.length() > 0.1 {
             return d.normalize();
         }
@@ -39,31 +35,24 @@ fn every_traversal_equals_testing_every_primitive() {
         let mut set = Set::default();
         let corners: Vec<Vec3> = scene.triangles.iter().flat_map(|triangle| triangle.vertices).collect();
         for i in 0..6000 {
-            let number = |rng: &mut Rng| (8.0 * rng.unit() - 4.0) as f32;
-            let mut origin = Vec3::new(number(&mut rng), number(&mut rng), number(&mut rng)) * 1.5 + offset;
+            let mut origin = rng.in_cube().as_vec3() * 6.0 + offset;
             // At a corner, towards a corner, in the plane of a box's face.
             let corner = corners.get((rng.unit() * corners.len() as f64) as usize).copied();
-            if let Some(corner) = corner {
-                match i % 8 {
-                    0 => origin = corner,
-                    1 => origin.x = corner.x,
-                    _ => {}
-                }
+            match (i % 8, corner) {
+                (0, Some(corner)) => origin = corner,
+                (1, Some(corner)) => origin.x = corner.x,
+                _ => {}
             }
-            let direction = match i % 3 {
-                0 => awkward(&mut rng),
-                1 => corner.map_or(rng.direction().as_vec3(), |corner| {
-                    (corner - origin).try_normalize().unwrap_or(Vec3::X)
-                }),
+            let direction = match (i % 3, corner) {
+                (0, _) => awkward(&mut rng),
+                (1, Some(corner)) => (corner - origin).normalize_or(Vec3::X),
                 _ => rng.direction().as_vec3(),
             };
             let t_max = if i % 5 == 0 { (4.0 * rng.unit()) as f32 } else { f32::INFINITY };
             set.push(origin, direction, t_max);
         }
-        hits += set.check(
-            &scene,
-            &format!("{triangles} triangles, {spheres} spheres, {scales} decades at {offset}"),
-        );
+        let what = format!("{triangles} triangles, {spheres} spheres, {scales} decades at {offset}");
+        hits += set.check(&scene, &what);
     }
     assert!(hits > 3_000, "only {hits} rays hit anything");
 }
@@ -87,7 +76,7 @@ fn batches_of_one_octant_and_of_several_find_the_same() {
                 10 => rng.direction().as_vec3().abs(),
                 octant => {
                     let sign = |axis: usize| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
-                    rng.direction().as_vec3().abs() * Vec3::new(sign(0), sign(1), sign(2))
+                    rng.direction().as_vec3().abs() * vec3(sign(0), sign(1), sign(2))
                 }
             };
             // From outside and from among them; what leaves its octant, at something.
@@ -109,13 +98,13 @@ fn batches_of_one_octant_and_of_several_find_the_same() {
 #[test]
 fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
     let mut scene = mixture(&mut Rng(14), 40, 1, 0.0, 0.0);
-    scene.spheres.push(sphere(Vec3::new(10.0, 0.0, 0.0), 1e-18, 0));
+    scene.spheres.push(sphere(vec3(10.0, 0.0, 0.0), 1e-18, 0));
     let mut set = Set::default();
     let (nan, infinity) = (f32::NAN, f32::INFINITY);
-    for direction in [Vec3::NAN, Vec3::ZERO, Vec3::new(0.0, 0.0, nan), Vec3::new(nan, 1.0, 0.0)] {
+    for direction in [Vec3::NAN, Vec3::ZERO, vec3(0.0, 0.0, nan), vec3(nan, 1.0, 0.0)] {
         set.push(Vec3::ONE, direction, infinity);
     }
-    for origin in [Vec3::NAN, Vec3::INFINITY, Vec3::new(-20.0, 0.0, 0.0), Vec3::new(0.0, -20.0, 0.0)] {
+    for origin in [Vec3::NAN, Vec3::INFINITY, vec3(-20.0, 0.0, 0.0), vec3(0.0, -20.0, 0.0)] {
         set.push(origin, Vec3::X, infinity);
         set.push(origin, Vec3::Y, infinity);
         set.push(origin, Vec3::Z, infinity);
@@ -151,12 +140,8 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let nearest = traced(&set, TraceMethod::Linear);
     assert!(nearest.count() > 200, "{}", nearest.count());
     // The hit itself, the number behind it, somewhere, and NaN, which spoils no other ray of a packet.
-    set.t_max = nearest
-        .t
-        .iter()
-        .enumerate()
-        .map(|(i, &t)| [t, t.next_up(), 8.0 * rng.unit() as f32, f32::NAN][i % 4])
-        .collect();
+    let mut end = |(i, &t): (usize, &f32)| [t, t.next_up(), 8.0 * rng.unit() as f32, f32::NAN][i % 4];
+    set.t_max = nearest.t.iter().enumerate().map(&mut end).collect();
     let expected = traced(&set, TraceMethod::Linear);
     for (at, (&t_max, &t)) in set.t_max.iter().zip(&nearest.t).enumerate() {
         assert_eq!(expected.primitive[at] != MISS, t < t_max, "ray {at}: {t} within {t_max}");
@@ -181,16 +166,15 @@ fn without_padding_hits_are_lost_at_corners() {
     for _ in 0..20_000 {
         let target = corners[rng.index(corners.len())];
         let origin = target + rng.in_cube().as_vec3() * 8.0;
-        set.push(origin, (target - origin).try_normalize().unwrap_or(Vec3::X), f32::INFINITY);
+        set.push(origin, (target - origin).normalize_or(Vec3::X), f32::INFINITY);
     }
     let mut hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
     let found = |hierarchy: &Hierarchy| {
-        let answers = set.through::<false>(hierarchy, octray::traverse::Traversal::Hybrid);
+        let answers = set.through::<false>(hierarchy, Traversal::Hybrid);
         answers.iter().filter(|answer| answer[1] != MISS).count()
     };
     let padded = found(&hierarchy);
     hierarchy.padding = hierarchy.padding.without_padding();
     let unpadded = found(&hierarchy);
-    println!("{padded} hits with padding, {unpadded} without");
     assert!(padded > 5_000 && unpadded < padded - padded / 50, "{unpadded} of {padded}");
 }

@@ -4,11 +4,8 @@
 //!
 //! Judged by the slabs in f64, where differences of f32 numbers of one size are exact.
 
-use crate::common::{Rng, packet, ray};
-use glam::Vec3;
+use crate::common::*;
 use octray::kernel::ray_box::{BoxRay, Padding, own_box};
-use octray::lane::{F32x8, F32x16, Lane, Mask};
-use octray::math::{self, Ray};
 use octray::measure::stability::boxes::{Cuboid, SCALES, aimed, meets, padding, passing, reference_interval};
 use octray::methods::{BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, X86MinMax};
 

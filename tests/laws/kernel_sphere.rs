@@ -2,11 +2,7 @@
 //! directions that are none. How often methods fail, from far away and elsewhere, is the matter of
 //! `tests/pictures/stability.rs`.
 
-use crate::common::{Rng, packet, ray};
-use glam::{DVec3, Vec3};
-use octray::kernel::ray_sphere::SphereMethod;
-use octray::lane::{F32x8, F32x16, Lane, Mask};
-use octray::math::{self, Ray};
+use crate::common::*;
 use octray::measure::stability::spheres::{Ball, UNIT, aimed, intersect, off, passing, reference_t};
 use octray::methods::{Naive, Robust, RobustAnyLength};
 
@@ -134,8 +130,8 @@ fn tangent_rays_are_undecided_only_within_the_rounding() {
 #[test]
 fn zero_and_nan_directions_miss() {
     fn check<S: SphereMethod>(zero_from_inside: bool) {
-        let outside = [Vec3::Z * 5.0, Vec3::new(1.0, -2.0, 0.5)];
-        let inside = [Vec3::ZERO, Vec3::X * 0.999, Vec3::new(0.1, 0.2, 0.3)];
+        let outside = [Vec3::Z * 5.0, vec3(1.0, -2.0, 0.5)];
+        let inside = [Vec3::ZERO, Vec3::X * 0.999, vec3(0.1, 0.2, 0.3)];
         let misses = |origin: Vec3, direction: Vec3| {
             for limit in [1.0, f32::INFINITY] {
                 let t = intersect::<S>(UNIT, &ray(origin, direction), limit);
@@ -144,7 +140,7 @@ fn zero_and_nan_directions_miss() {
         };
         for origin in outside.into_iter().chain(inside) {
             misses(origin, Vec3::NAN);
-            misses(origin, Vec3::new(f32::NAN, 0.0, -1.0));
+            misses(origin, vec3(f32::NAN, 0.0, -1.0));
         }
         for origin in outside.into_iter().chain(inside.into_iter().filter(|_| zero_from_inside)) {
             misses(origin, Vec3::ZERO);

@@ -2,11 +2,9 @@
 //! directions that are none, rays in the plane. Where methods leak is the matter of
 //! `tests/pictures/stability.rs`, traversals are held to it by `tests/laws/watertight.rs`.
 
-use crate::common::{Rng, packet, ray};
-use glam::{DVec3, Vec3, Vec3Swizzles};
-use octray::kernel::ray_triangle::{PairHit, TriangleHit, TriangleMethod};
-use octray::lane::{F32x8, F32x16, Lane, Mask};
-use octray::math::Ray;
+use crate::common::*;
+use glam::Vec3Swizzles;
+use octray::kernel::ray_triangle::{PairHit, TriangleHit};
 use octray::measure::stability::triangles::{intersect, reference_tuv, well_shaped};
 use octray::methods::{BaldwinWeber, MollerTrumbore, MollerTrumboreEpsilon, Plucker, Woop, WoopContracted};
 
@@ -51,8 +49,7 @@ const EPSILON: f64 = 1.0 / (1 << 24) as f64;
 
 #[test]
 fn all_methods_agree_with_f64_away_from_edges() {
-    for (center, distance) in [(DVec3::ZERO, 3.0), (DVec3::new(20.0, -30.0, 10.0), 5.0), (DVec3::ZERO, 300.0)]
-    {
+    for (center, distance) in [(DVec3::ZERO, 3.0), (dvec3(20.0, -30.0, 10.0), 5.0), (DVec3::ZERO, 300.0)] {
         // A few roundings, which heights above 0.3 and angles below 70° magnify by some ten times at most;
         // measured: 3 to 10 ε.
         let bound = 30.0 * EPSILON;
@@ -64,10 +61,6 @@ fn all_methods_agree_with_f64_away_from_edges() {
             agrees::<BaldwinWeber>(center, distance, bound),
             agrees::<Plucker>(center, distance, bound),
         ];
-        println!(
-            "{center}, {distance}: {:.1?} ε of the largest length",
-            all.map(|(worst, _)| worst / EPSILON)
-        );
         for (worst, hits) in all {
             assert!(worst <= bound && hits > 2000, "{center}, {distance}: {all:?}, bound {bound:e}");
         }
@@ -99,10 +92,8 @@ fn barycentrics_and_t_name_the_same_point() {
 fn zero_and_nan_directions_miss() {
     fn check<T: TriangleMethod>() {
         let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        for origin in
-            [Vec3::new(0.2, 0.3, 1.0), Vec3::new(0.2, 0.3, 0.0), Vec3::ZERO, Vec3::new(-1.0, 2.0, -3.0)]
-        {
-            for direction in [Vec3::ZERO, -Vec3::ZERO, Vec3::NAN, Vec3::new(0.0, f32::NAN, -1.0)] {
+        for origin in [vec3(0.2, 0.3, 1.0), vec3(0.2, 0.3, 0.0), Vec3::ZERO, vec3(-1.0, 2.0, -3.0)] {
+            for direction in [Vec3::ZERO, -Vec3::ZERO, Vec3::NAN, vec3(0.0, f32::NAN, -1.0)] {
                 for limit in [1.0, f32::INFINITY] {
                     let hit = intersect::<T>(triangle, &ray(origin, direction), limit);
                     assert_eq!(hit, None, "{origin} along {direction}");
@@ -118,7 +109,7 @@ fn rays_in_the_plane_of_a_triangle_give_no_infinite_t() {
     fn check<T: TriangleMethod>() {
         let mut rng = Rng(15);
         for _ in 0..20_000 {
-            let triangle = [(); 3].map(|()| Vec3::new(rng.signed() as f32, rng.signed() as f32, 0.0));
+            let triangle = [(); 3].map(|()| vec3(rng.signed() as f32, rng.signed() as f32, 0.0));
             let turned = triangle.map(|v| [v, v.zxy(), v.yzx()][rng.0 as usize % 3]);
             let towards = turned[0].lerp(turned[1].lerp(turned[2], rng.unit() as f32), rng.unit() as f32);
             let origin = turned[0] + (turned[1] - turned[2]) * 2.0;
@@ -180,7 +171,7 @@ fn neighbours_are_linked_in_pairs_where_the_second_continues_the_first() {
         Woop::link_pairs(&mut stored);
         stored.iter().map(Woop::is_linked).collect::<Vec<_>>()
     };
-    let [a, b, c, d, e] = std::array::from_fn(|i| Vec3::new(i as f32, (i * i) as f32, 1.0));
+    let [a, b, c, d, e] = std::array::from_fn(|i| vec3(i as f32, (i * i) as f32, 1.0));
     assert_eq!(links(&fan(a, &[b, c, d])), [true, false]);
     assert_eq!(links(&fan(a, &[b, c, d, e])), [true, false, false], "no triangle is in two pairs");
     assert_eq!(links(&fan(a, &[b, c, d, e, b])), [true, false, true, false]);

@@ -45,10 +45,6 @@ fn steps(low: f32, high: f32, count: u32) -> impl Iterator<Item = f32> {
     (0..=count).map(move |i| low + (high - low) * (i as f32 / count as f32))
 }
 
-fn both_signs(x: f32) -> [f32; 2] {
-    [x, -x]
-}
-
 #[track_caller]
 fn assert_bound<T: std::fmt::Debug>(name: &str, worst: Worst<T>, bound: f64) {
     println!("{name}: {:.4e} at {:?}", worst.error, worst.at);
@@ -57,32 +53,25 @@ fn assert_bound<T: std::fmt::Debug>(name: &str, worst: Worst<T>, bound: f64) {
     assert!(worst.error > bound / 2.0, "{name}: {worst:?} is far below the documented {bound:e}");
 }
 
-const STRIDE: usize = 97;
-
 fn check_sin_cos(stride: usize) {
-    let inputs = || {
-        floats(1e-30, 8192.0, stride).flat_map(both_signs).chain(steps(
-            -8192.0,
-            8192.0,
-            4_000_000 / stride as u32 * 97,
-        ))
-    };
+    let even = steps(-8192.0, 8192.0, 4_000_000 / stride as u32 * 97);
+    let inputs = floats(1e-30, 8192.0, stride).flat_map(|x| [x, -x]).chain(even);
     let error = |x: f32| {
         let (sin, cos) = sin_cos(x);
         let exact = f64::from(x).sin_cos();
         (f64::from(sin) - exact.0).abs().max((f64::from(cos) - exact.1).abs())
     };
-    assert_bound("sin_cos", worst(inputs(), error), SIN_COS);
+    assert_bound("sin_cos", worst(inputs, error), SIN_COS);
 }
 
 fn check_sin_cos_turns(stride: usize) {
-    let inputs = || floats(1e-30, 1.0, stride).chain(steps(0.0, 1.0, 1 << 22));
+    let inputs = floats(1e-30, 1.0, stride).chain(steps(0.0, 1.0, 1 << 22));
     let error = |u: f32| {
         let (sin, cos) = sin_cos_turns(u);
         let exact = (f64::from(u).fract() * TAU).sin_cos();
         (f64::from(sin) - exact.0).abs().max((f64::from(cos) - exact.1).abs())
     };
-    assert_bound("sin_cos_turns", worst(inputs(), error), SIN_COS_TURNS);
+    assert_bound("sin_cos_turns", worst(inputs, error), SIN_COS_TURNS);
 }
 
 fn check_atan2(stride: usize) {
@@ -144,52 +133,27 @@ const LN: f64 = 0.9;
 const POWF: f64 = 1.5e-7;
 const RSQRT: f64 = 1.8e-3;
 
-#[test]
-fn sin_cos_is_as_accurate_as_documented() {
-    check_sin_cos(STRIDE);
+/// With a stride of inputs for each function.
+fn check_all([sin_cos, sin_cos_turns, atan2, exp, ln, powf, rsqrt]: [usize; 7]) {
+    check_sin_cos(sin_cos);
+    check_sin_cos_turns(sin_cos_turns);
+    check_atan2(atan2);
+    check_exp(exp);
+    check_ln(ln);
+    check_powf(powf);
+    check_approximate_rsqrt(rsqrt);
 }
 
 #[test]
-fn sin_cos_turns_is_as_accurate_as_documented() {
-    check_sin_cos_turns(STRIDE);
-}
-
-#[test]
-fn atan2_is_as_accurate_as_documented() {
-    check_atan2(STRIDE * 16);
-}
-
-#[test]
-fn exp_is_as_accurate_as_documented() {
-    check_exp(STRIDE);
-}
-
-#[test]
-fn ln_is_as_accurate_as_documented() {
-    check_ln(STRIDE * 8);
-}
-
-#[test]
-fn powf_is_as_accurate_as_documented() {
-    check_powf(STRIDE);
-}
-
-#[test]
-fn approximate_rsqrt_is_as_accurate_as_documented_and_finite_at_0() {
-    check_approximate_rsqrt(STRIDE);
-    assert!((1e19..1e20).contains(&approximate_rsqrt(0.0)));
+fn functions_are_as_accurate_as_documented() {
+    check_all([97, 97, 97 * 16, 97, 97 * 8, 97, 97]);
+    assert!((1e19..1e20).contains(&approximate_rsqrt(0.0)), "finite");
 }
 
 #[test]
 #[ignore = "minutes: run by .ci/run"]
 fn functions_are_as_accurate_as_documented_on_a_dense_sweep() {
-    check_sin_cos(31);
-    check_sin_cos_turns(31);
-    check_atan2(97);
-    check_exp(31);
-    check_ln(31);
-    check_powf(31);
-    check_approximate_rsqrt(31);
+    check_all([31, 31, 97, 31, 31, 31, 31]);
 }
 
 fn same(a: f32, b: f32) -> bool {
@@ -197,14 +161,10 @@ fn same(a: f32, b: f32) -> bool {
 }
 
 #[test]
-fn sin_and_cos_are_the_two_halves_of_sin_cos() {
+fn sin_and_cos_are_the_two_halves_of_sin_cos_and_nan_of_what_is_no_angle() {
     for x in steps(-30.0, 30.0, 1000) {
         assert_eq!((sin(x), cos(x)), sin_cos(x));
     }
-}
-
-#[test]
-fn sin_cos_of_what_is_no_angle_is_nan() {
     for x in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
         assert!(sin(x).is_nan() && cos(x).is_nan(), "{x}");
     }
@@ -213,11 +173,10 @@ fn sin_cos_of_what_is_no_angle_is_nan() {
 
 #[test]
 fn quarter_turns_have_the_right_signs() {
-    for (turns, expected) in [(0.0, (0.0, 1.0)), (0.25, (1.0, 0.0)), (0.5, (0.0, -1.0)), (0.75, (-1.0, 0.0))]
+    for (turns, expected) in [(0.0, [0.0, 1.0]), (0.25, [1.0, 0.0]), (0.5, [0.0, -1.0]), (0.75, [-1.0, 0.0])]
     {
-        let (sin, cos) = sin_cos_turns(turns);
-        let (expected_sin, expected_cos): (f32, f32) = expected;
-        let error = (sin - expected_sin).abs().max((cos - expected_cos).abs());
+        let ((sin, cos), [of_sin, of_cos]): (_, [f32; 2]) = (sin_cos_turns(turns), expected);
+        let error = (sin - of_sin).abs().max((cos - of_cos).abs());
         assert!(error < SIN_COS_TURNS as f32, "{turns}: {sin}, {cos}");
     }
 }

@@ -5,16 +5,13 @@
 //! The rays are those of `octray stability`, here from near and far at once, and with a share of the offset.
 //! Seeds are fixed; re-hits must be 0.
 
-use crate::common::{Rng, empty, material, sphere, triangle};
-use glam::Vec3;
+use crate::common::*;
 use octray::buffers::Buffers;
 use octray::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
-use octray::math;
 use octray::measure::stability::FailureCounts;
 use octray::measure::stability::leaving::{self, SpawnMethod, leave_triangle};
 use octray::measure::stability::shells::{Side, leave_shell, leave_sphere};
 use octray::measure::stability::spheres::Ball;
-use octray::scene::{MaterialKind, Scene};
 
 /// How far rays travel before they leave, in sizes of what they leave.
 const TRAVELLED: [f64; 2] = [1e-2, 1e3];
@@ -26,15 +23,10 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
     for _ in 0..100 {
         let ball = sphere(rng.in_cube().as_vec3(), rng.scale(1e-3, 1e3) as f32, 0);
         let vertices = [(); 3].map(|()| rng.in_cube().as_vec3());
-        let scene = Scene {
-            materials: vec![material(MaterialKind::Diffuse)],
-            spheres: vec![ball],
-            triangles: vec![triangle(vertices, 0)],
-            ..empty()
-        };
+        let scene = Scene { spheres: vec![ball], triangles: vec![triangle(vertices, 0)], ..diffuse() };
         let buffers = Buffers::new(&scene);
         let [x, y, z, inverse_radius, offset, ..] = buffers.sphere_rows.fetch::<f32>(0, true);
-        assert_eq!((Vec3::new(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));
+        assert_eq!((vec3(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));
         assert_eq!(offset, sphere_offset(ball.center, ball.radius));
         let [ax, ay, az, abx, aby, abz, offset, _] = buffers.triangle_rows.fetch::<f32>(0, true);
         let [acx, acy, acz, nx, ny, nz, ..] = buffers.triangle_rows.fetch::<f32>(1, true);
@@ -83,7 +75,6 @@ fn triangles_are_left_without_hitting_them_again() {
 fn without_an_offset_triangles_are_hit_again() {
     for &(size, place) in TRIANGLES {
         let rehits = triangle_rehits(size, place, 0.0, 10_000);
-        println!("edge {size}, {place} from the origin: {:.1} %", rehits as f64 / 100.0);
         assert!(rehits > 500, "edge {size}, {place} from the origin: {rehits} of 10000");
     }
 }
@@ -134,11 +125,8 @@ fn spheres_are_left_on_both_sides_without_hitting_them_again() {
 fn without_an_offset_spheres_are_hit_again() {
     for &(radius, place) in SPHERES {
         let faults = SIDES.map(|side| sphere_faults(radius, place, side, 0.0, 5_000));
-        println!("radius {radius}, {place} from the origin: {faults:?} of 5000 each");
-        assert!(
-            faults.iter().all(|&faults| faults > 50),
-            "radius {radius}, {place} from the origin: {faults:?}"
-        );
+        let all = faults.iter().all(|&faults| faults > 50);
+        assert!(all, "radius {radius}, {place} from the origin: {faults:?}");
     }
 }
 
@@ -158,11 +146,10 @@ fn lost_between_shells(center: Vec3, gap: f64) -> [usize; 2] {
 /// The opposite fault: an offset that is too large would start beyond the other shell.
 #[test]
 fn close_shells_are_not_lost_while_the_gap_is_twice_the_offset() {
-    for center in [Vec3::ZERO, Vec3::new(1.0, -2.0, 3.0), Vec3::new(40.0, 0.0, 9.0)] {
+    for center in [Vec3::ZERO, vec3(1.0, -2.0, 3.0), vec3(40.0, 0.0, 9.0)] {
         let offset = f64::from(sphere_offset(center, 1.0));
         for gap in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
             let lost = lost_between_shells(center, gap);
-            println!("centre {center}, gap {gap:e} ({:.1} offsets): lost {lost:?} of 5000", gap / offset);
             if gap > 2.0 * offset {
                 assert_eq!(lost, [0, 0], "centre {center}, gap {gap:e}, offset {offset:e}");
             }
@@ -183,13 +170,8 @@ fn half_the_offset_would_do_and_a_twentieth_would_not() {
         (triangles.collect::<Vec<_>>(), spheres.collect::<Vec<_>>())
     };
     let (triangles, spheres) = cases(0.5, 10_000);
-    assert_eq!(
-        (triangles.iter().sum::<usize>(), spheres.iter().sum::<usize>()),
-        (0, 0),
-        "half of the offset"
-    );
+    assert_eq!(triangles.iter().chain(&spheres).sum::<usize>(), 0, "half of the offset");
     let (triangles, spheres) = cases(0.05, 10_000);
-    println!("a twentieth of the offset: triangles {triangles:?}, spheres {spheres:?}");
     assert!(triangles.iter().sum::<usize>() > 100 && spheres.iter().all(|&faults| faults > 10));
 }
 
@@ -226,5 +208,5 @@ fn points_are_on_their_spheres_and_normals_have_unit_length() {
     }
     assert!(roots > 10_000 && others > 10_000);
     let (point, normal) = sphere_surface(math::Vec3::<f32>::zero(), math::Vec3::zero(), 0.5, true);
-    assert_eq!((point.get(0), normal.get(0)), (Vec3::new(0.0, 2.0, 0.0), Vec3::Y));
+    assert_eq!((point.get(0), normal.get(0)), (vec3(0.0, 2.0, 0.0), Vec3::Y));
 }

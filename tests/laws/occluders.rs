@@ -1,20 +1,15 @@
 //! Law: the primitives that shadow rays leave out lie between no surface and no light, judged in f64; and
 //! pictures are the same through a hierarchy.
 
-use crate::common::{Rng, empty, lamp, material, render, sphere, triangle};
-use glam::{DMat3, DVec3, Vec3};
-use octray::buffers::{LightChoice, Lights};
-use octray::lane::NATIVE_WIDTH;
-use octray::render::Settings;
-use octray::scene::{Camera, MaterialKind, Scene, Sky, Triangle, load};
-use octray::traverse::Traversal;
-use octray::traverse::{Methods, Occluders, TraversalChoice};
+use crate::common::*;
+use glam::DMat3;
+use octray::traverse::Occluders;
 
 const DIFFUSE: u32 = 0;
 const LAMP: u32 = 1;
 
 fn dark() -> Scene {
-    let materials = vec![material(MaterialKind::Diffuse), lamp(1.0)];
+    let materials = vec![material(Diffuse), lamp(1.0)];
     Scene { sky: Sky::Color(Vec3::ZERO), materials, ..empty() }
 }
 
@@ -30,12 +25,12 @@ fn room(rng: &mut Rng) -> Scene {
     let corner = rng.in_cube() * rng.scale(0.1, 10.0);
     let [x, y, z] = [axes.x_axis, axes.y_axis * rng.scale(0.5, 2.0), axes.z_axis];
     let mut scene = dark();
+    let zero = DVec3::ZERO;
     for (from, edges) in
-        [(corner, [x, y]), (corner, [y, z]), (corner, [z, x]), (corner + z, [x, y]), (corner + x, [y, z])]
+        [(zero, [x, y]), (zero, [y, z]), (zero, [z, x]), (z, [x, y]), (x, [y, z]), (y, [z, x])]
     {
-        scene.triangles.extend(quad(from, edges, DIFFUSE));
+        scene.triangles.extend(quad(corner + from, edges, DIFFUSE));
     }
-    scene.triangles.extend(quad(corner + y, [z, x], DIFFUSE));
     let height = [1.0, 0.999, 0.7][rng.index(3)];
     scene.triangles.extend(quad(corner + x * 0.4 + z * 0.4 + y * height, [x * 0.2, z * 0.2], LAMP));
     for _ in 0..rng.index(3) {
@@ -57,9 +52,8 @@ fn point(rng: &mut Rng, scene: &Scene, number: usize) -> DVec3 {
         Some(ball) => ball.center.as_dvec3() + rng.direction() * f64::from(ball.radius),
         None => {
             let [a, b, c] = scene.triangles[number - scene.spheres.len()].vertices.map(|v| v.as_dvec3());
-            let (u, v) = (rng.unit(), rng.unit());
-            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-            a + (b - a) * u + (c - a) * v
+            let [u, v, w] = rng.barycentrics();
+            a * u + b * v + c * w
         }
     }
 }
@@ -119,10 +113,8 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
             for number in 0..count {
                 let separates = separates(&scene, number, from, to);
                 occluded += usize::from(separates);
-                assert!(
-                    !separates || listed.contains(&number),
-                    "seed {seed}: {number} between {surface} at {from} and {light} at {to}"
-                );
+                let ends = [(surface, from), (light, to)];
+                assert!(!separates || listed.contains(&number), "seed {seed}: {number} between {ends:?}");
             }
         }
     }
@@ -156,7 +148,7 @@ fn walls_lamps_and_surrounding_spheres_occlude_nothing() {
         change(&mut scene);
         listed(&scene)
     };
-    let ball = |y: f32, radius, material| sphere(Vec3::new(0.5, y, 0.5), radius, material);
+    let ball = |y: f32, radius, material| sphere(vec3(0.5, y, 0.5), radius, material);
     let pushed = |ball| with(&|scene| scene.spheres.push(ball));
     assert_eq!(pushed(ball(0.5, 0.1, DIFFUSE)), Some([vec![0], vec![]]), "a ball between");
     assert_eq!(pushed(ball(0.5, 5.0, DIFFUSE)), Some([vec![], vec![0, 1]]), "a ball around, shadowed below");
@@ -189,16 +181,15 @@ fn every_traversal_leaves_out_the_same() {
         let mut scene = room(&mut Rng::of("occluders", [seed, 1]));
         let at = scene.triangles[0].vertices[0];
         let middle = (at + scene.triangles[11].vertices[2]) * 0.5;
-        scene.camera =
-            Camera { position: middle, look_at: at, up: Vec3::new(0.1, 1.0, 0.2), vertical_fov: 60.0 };
+        scene.camera = Camera { position: middle, look_at: at, up: vec3(0.1, 1.0, 0.2), vertical_fov: 60.0 };
         scene
     });
     // A surface behind a floor, and so close that it counts as on it, is lit through the floor.
     let mut below = dark();
     for (corner, side, material) in [
-        (DVec3::new(-1000.0, 0.0, -1000.0), 2000.0, DIFFUSE),
-        (DVec3::new(-0.01, -1e-4, -0.01), 0.02, DIFFUSE),
-        (DVec3::new(-1.0, 1.0, -1.0), 2.0, LAMP),
+        (dvec3(-1000.0, 0.0, -1000.0), 2000.0, DIFFUSE),
+        (dvec3(-0.01, -1e-4, -0.01), 0.02, DIFFUSE),
+        (dvec3(-1.0, 1.0, -1.0), 2.0, LAMP),
     ] {
         below.triangles.extend(quad(corner, [DVec3::X * side, DVec3::Z * side], material));
     }
@@ -209,7 +200,7 @@ fn every_traversal_leaves_out_the_same() {
     for scene in rooms.chain([cornell, below]) {
         let film = |traversal, lanes| {
             let methods = Methods { traversal, lights: LightChoice::On, ..Methods::default() };
-            let settings = Settings { resolution: [96, 64], lanes, methods, ..Settings::of(&scene) };
+            let settings = Settings { resolution: [48, 32], lanes, methods, ..Settings::of(&scene) };
             render(&scene, settings, 8).pixels
         };
         let linear = film(TraversalChoice::Linear, 8);

@@ -2,15 +2,7 @@
 //! numbers of 0 or more. Random scenes of everything: sizes from 1e-6 to 1e6, far from the origin, slivers,
 //! cameras on surfaces and in spheres, textures of one texel, lights of any strength.
 
-use crate::common::{Rng, empty, noise, sphere, triangle};
-use glam::{DVec3, Vec2, Vec3};
-use octray::buffers::LightChoice;
-use octray::lane::WIDTHS;
-use octray::render::{PipelineChoice, Renderer, Settings};
-use octray::sampling::Sampler;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere};
-use octray::traverse::Traversal;
-use octray::traverse::{Methods, TraversalChoice};
+use crate::common::*;
 use std::ops::Range;
 
 /// One of the list.
@@ -30,7 +22,7 @@ fn fraction(rng: &mut Rng) -> f32 {
 }
 
 fn fractions(rng: &mut Rng) -> Vec3 {
-    Vec3::new(fraction(rng), fraction(rng), fraction(rng))
+    vec3(fraction(rng), fraction(rng), fraction(rng))
 }
 
 /// A unit vector, along an axis once in three.
@@ -45,22 +37,22 @@ fn kind(rng: &mut Rng) -> MaterialKind {
     let (roughness, metallic) = (fraction(rng), fraction(rng));
     let ior = rng.scale(1.0, 3.0) as f32;
     match rng.index(8) {
-        0 | 1 => MaterialKind::Diffuse,
-        2 => MaterialKind::Metal { roughness },
-        3 => MaterialKind::Plastic { roughness, ior },
+        0 | 1 => Diffuse,
+        2 => Metal { roughness },
+        3 => Plastic { roughness, ior },
         4 => {
             let ior = of(rng, &[ior, ior, 1.0, 1e6]);
-            MaterialKind::MetalRough { roughness, metallic, ior }
+            MetalRough { roughness, metallic, ior }
         }
-        5 => MaterialKind::Glass { ior: of(rng, &[ior, 1.0 / ior, 1.0, 1e-3, 1e3]) },
-        6 => MaterialKind::Scatter { roughness: rng.scale(1e-3, 1e3) as f32 },
-        _ => MaterialKind::Emitter,
+        5 => Glass { ior: of(rng, &[ior, 1.0 / ior, 1.0, 1e-3, 1e3]) },
+        6 => Scatter { roughness: rng.scale(1e-3, 1e3) as f32 },
+        _ => Emitter,
     }
 }
 
 fn material(rng: &mut Rng, textures: usize) -> Material {
     let kind = kind(rng);
-    let emitter = kind == MaterialKind::Emitter;
+    let emitter = kind == Emitter;
     let emission = match emitter || once_in(rng, 5) {
         true => fractions(rng) * rng.scale(1e-6, 1e6) as f32,
         false => Vec3::ZERO,
@@ -99,8 +91,7 @@ fn thing(rng: &mut Rng) -> Vec<[DVec3; 3]> {
         }
         // Flat, along an axis.
         3 => {
-            let flat =
-                of(rng, &[DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0), DVec3::new(1.0, 1.0, 0.0)]);
+            let flat = of(rng, &[dvec3(0.0, 1.0, 1.0), dvec3(1.0, 0.0, 1.0), dvec3(1.0, 1.0, 0.0)]);
             vec![[a, b, c].map(|corner| corner * flat)]
         }
         _ => vec![[a, b, c]],
@@ -134,8 +125,7 @@ fn add_triangles(rng: &mut Rng, scene: &mut Scene, center: DVec3, size: f64) {
             }
             scene.triangles.push(triangle(vertices, material));
             let repeats = rng.scale(1e-2, 1e3);
-            let uv =
-                |rng: &mut Rng| Vec2::new((rng.signed() * repeats) as f32, (rng.signed() * repeats) as f32);
+            let uv = |rng: &mut Rng| vec2((rng.signed() * repeats) as f32, (rng.signed() * repeats) as f32);
             let same = uv(rng);
             let uvs = [(); 3].map(|()| uv(rng));
             scene.uvs.push(if once_in(rng, 8) { [same; 3] } else { uvs });
@@ -282,7 +272,6 @@ fn assert_no_fault(seeds: Range<u64>) {
     }
     assert!(faults.is_empty(), "{} scenes:\n{}", faults.len(), faults[..faults.len().min(20)].join("\n"));
     // A black picture has the same bits at every width.
-    println!("{lit} of {count} pictures show something");
     assert!(lit > count / 2, "{lit} of {count} pictures show something");
 }
 

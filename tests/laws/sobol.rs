@@ -5,12 +5,12 @@
 //! Seeds are fixed; tolerances are standard errors, as in `tests/laws/sampling_laws.rs`. Bits at width 1 and
 //! 8 are compared by `tests/laws/lane_parity.rs`.
 
-use crate::common::Rng;
-use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
-use octray::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
-use octray::sampling::{
-    PacketValues, PixelCoordinates, SampleValues, Sampler, blue_noise, dimension, random,
+use crate::common::statistics::{
+    allowed, assert_all_within, chi_squared_deviation, correlation, joint, mean_and_error,
 };
+use crate::common::*;
+use octray::lane::lane_indices;
+use octray::sampling::{PacketValues, PixelCoordinates, SampleValues, blue_noise, dimension, random};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 type Point = [f64; 2];
@@ -71,19 +71,15 @@ fn is_net(points: &[Point]) -> bool {
 /// itself.
 mod textbook {
     use super::{Point, Rng};
-    use std::collections::HashMap;
 
-    /// Flips each digit of the fraction `x` / 2³² by a random bit that is a function of the digits before it.
-    struct Owen(HashMap<(u32, u32), bool>);
-
-    impl Owen {
-        fn scramble(&mut self, x: u32, rng: &mut Rng) -> u32 {
-            (0..32).fold(0, |scrambled, digit| {
-                let before = if digit == 0 { 0 } else { x >> (32 - digit) };
-                let flip = *self.0.entry((digit, before)).or_insert_with(|| rng.index(2) == 1);
-                scrambled << 1 | (x >> (31 - digit) & 1 ^ u32::from(flip))
-            })
-        }
+    /// Flips each digit of the fraction `x` / 2³² by a bit that is drawn for the digits before it.
+    fn scramble(x: u32, seed: u64) -> u32 {
+        (0..32).fold(0, |scrambled, digit| {
+            let before = u64::from(x) >> (32 - digit);
+            let place = (before << 6 | digit).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let flip = Rng((seed ^ place ^ place >> 29) | 1).bits() >> 31;
+            scrambled << 1 | (x >> (31 - digit) & 1 ^ flip)
+        })
     }
 
     pub fn points(rng: &mut Rng, count: u32) -> Vec<Point> {
@@ -93,17 +89,15 @@ mod textbook {
         for j in 1..32 {
             columns[j] = [columns[j - 1][0] >> 1, columns[j - 1][1] ^ columns[j - 1][1] >> 1];
         }
-        let [mut order, mut along_x, mut along_y] = std::array::from_fn(|_| Owen(HashMap::new()));
-        (0..count)
-            .map(|sample| {
-                let index = order.scramble(sample, rng);
-                let sobol = |axis: usize| {
-                    (0..32).filter(|j| index >> j & 1 == 1).fold(0, |sum, j| sum ^ columns[j as usize][axis])
-                };
-                [along_x.scramble(sobol(0), rng), along_y.scramble(sobol(1), rng)]
-                    .map(|x| f64::from(x) / 2f64.powi(32))
-            })
-            .collect()
+        let [order, along_x, along_y] =
+            std::array::from_fn(|_| u64::from(rng.bits()) << 32 | u64::from(rng.bits()));
+        let point = |sample| {
+            let index = scramble(sample, order);
+            let chosen = (0..32).filter(|j| index >> j & 1 == 1).map(|j| columns[j as usize]);
+            let [x, y] = chosen.fold([0; 2], |[x, y], [a, b]| [x ^ a, y ^ b]);
+            [scramble(x, along_x), scramble(y, along_y)].map(|x| f64::from(x) / 2f64.powi(32))
+        };
+        (0..count).map(point).collect()
     }
 }
 
@@ -115,13 +109,8 @@ fn prefixes_and_blocks_of_samples_are_nets_in_every_pixel_and_pair() {
                 for start in [0, 1024 * 77_777, u32::MAX - 1023] {
                     let points: Vec<Point> =
                         (0..1024).map(|s| point(Sampler::Sobol, seed, pixel, start + s, dimension)).collect();
-                    for k in 0..=10 {
-                        let nets = points.chunks_exact(1 << k).all(is_net);
-                        assert!(
-                            nets,
-                            "seed {seed}, pixel {pixel}, dimension {dimension}, from {start} on: k {k}"
-                        );
-                    }
+                    let at = format!("seed {seed}, pixel {pixel}, dimension {dimension}, from {start} on");
+                    (0..=10).for_each(|k| assert!(points.chunks_exact(1 << k).all(is_net), "{at}: k {k}"));
                 }
             }
         }
@@ -142,36 +131,33 @@ fn each_sample_is_uniform_over_pixels_in_every_digit() {
     let mut deviations = Vec::new();
     for dimension in pairs().filter(|&dimension| !is_shared(dimension)) {
         for sample in [0, 1, 6, 100, 4095] {
-            let mut set = [[0u32; 24]; 2];
             let of_pixels: Vec<Point> =
                 (0..PIXELS).map(|pixel| point(Sampler::Sobol, 3, pixel, sample, dimension)).collect();
             for axis in [0, 1] {
                 let mut counts = [0; 64];
-                for point in &of_pixels {
-                    counts[(point[axis] * 64.0) as usize] += 1;
-                    let integer = (point[axis] * 16_777_216.0) as u32;
-                    set[axis].iter_mut().enumerate().for_each(|(bit, set)| *set += integer >> bit & 1);
-                }
+                of_pixels.iter().for_each(|point| counts[(point[axis] * 64.0) as usize] += 1);
                 let at = format!("dimension {}, sample {sample}", dimension + axis as u32);
                 let chi2 = chi_squared_deviation(&counts, f64::from(PIXELS) / 64.0);
                 deviations.push((chi2, format!("χ² of {at}")));
-                for (bit, &set) in set[axis].iter().enumerate() {
-                    let off = (f64::from(set) - 0.5 * f64::from(PIXELS)) / (0.25 * f64::from(PIXELS)).sqrt();
-                    deviations.push((off, format!("bit {bit} of {at}")));
-                }
+                deviations.extend(bits_that_are_set(&of_pixels, axis, &at));
             }
             let both = joint(of_pixels.iter().map(|&[x, y]| (x, y)));
             deviations.push((both, format!("both numbers of dimension {dimension}, sample {sample}")));
         }
     }
-    all_within(deviations);
+    assert_all_within(deviations);
 }
 
-fn all_within(deviations: Vec<(f64, String)>) {
-    let family = deviations.len();
-    for (deviation, what) in deviations {
-        assert!(deviation.abs() < allowed(family), "{what}: {deviation:.1} standard errors");
+/// The deviations of each bit of one of the two numbers of some points from half of the time.
+fn bits_that_are_set(points: &[Point], axis: usize, of: &str) -> Vec<(f64, String)> {
+    let mut set = [0u32; 24];
+    for point in points {
+        let integer = (point[axis] * 16_777_216.0) as u32;
+        set.iter_mut().enumerate().for_each(|(bit, set)| *set += integer >> bit & 1);
     }
+    let n = points.len() as f64;
+    let off = |(bit, set)| ((f64::from(set) - 0.5 * n) / (0.25 * n).sqrt(), format!("bit {bit} of {of}"));
+    set.into_iter().enumerate().map(off).collect()
 }
 
 #[test]
@@ -204,13 +190,23 @@ fn pixels_pairs_and_seeds_have_nothing_in_common() {
             }
         }
     }
-    all_within(deviations);
+    assert_all_within(deviations);
+}
+
+/// A number of one pair against a number of another on a 4 × 4 grid: the sum of squares of (count − n/16),
+/// over n. `axes` says which number of each pair.
+fn spread(axes: usize, [a, b]: &[Vec<Point>; 2]) -> f64 {
+    let mut cells = [0.0; 16];
+    for (a, b) in a.iter().zip(b) {
+        cells[(a[axes & 1] * 4.0) as usize * 4 + (b[axes >> 1] * 4.0) as usize] += 1.0;
+    }
+    let n = a.len() as f64;
+    cells.iter().map(|cell: &f64| (cell - n / 16.0).powi(2)).sum::<f64>() / n
 }
 
 #[test]
 fn two_pairs_meet_as_independent_orders_do() {
-    // A number of one pair against a number of another on a 4 × 4 grid: the sum of squares of (count − n/16),
-    // over n. Independent numbers give 15/16. In Walsh functions of the two first digits, the padded points
+    // Independent numbers give 15/16. In Walsh functions of the two first digits, the padded points
     // have no error in the 6 that are constant along one of the two numbers. Samples 2i and 2i + 1 have
     // opposite first digits in both: 2 instead of 1 for the product of both first digits. Samples that differ
     // in bit 1 of their index share the first digit in half of the cases, then have opposite second digits: 1
@@ -223,32 +219,20 @@ fn two_pairs_meet_as_independent_orders_do() {
     for (sampler, expected) in [(Sampler::Sobol, 12.0 / 16.0), (Sampler::Random, 15.0 / 16.0)] {
         for &[d, e] in &couples {
             for count in [16, 64, 256] {
-                let mut sums = [[0.0; 2]; 4];
+                let mut spreads = [const { Vec::new() }; 4];
                 for seed in 0..SEEDS {
-                    let [a, b] = [d, e].map(|of| points_of_seed(sampler, seed, of, count));
-                    for (axes, sums) in sums.iter_mut().enumerate() {
-                        let mut cells = [0.0; 16];
-                        for (a, b) in a.iter().zip(&b) {
-                            cells[(a[axes & 1] * 4.0) as usize * 4 + (b[axes >> 1] * 4.0) as usize] += 1.0;
-                        }
-                        let n = f64::from(count);
-                        let spread = cells.iter().map(|cell| (cell - n / 16.0).powi(2)).sum::<f64>() / n;
-                        sums[0] += spread;
-                        sums[1] += spread * spread;
-                    }
+                    let pairs = [d, e].map(|of| points_of_seed(sampler, seed, of, count));
+                    (0..4).for_each(|axes| spreads[axes].push(spread(axes, &pairs)));
                 }
-                for (axes, [sum, squares]) in sums.into_iter().enumerate() {
-                    let mean = sum / f64::from(SEEDS);
-                    let error = ((squares / f64::from(SEEDS) - mean * mean) / f64::from(SEEDS)).sqrt();
-                    let what = format!(
-                        "{sampler:?}, dimensions {d} and {e}, axes {axes}, {count} samples: {mean:.3}"
-                    );
-                    deviations.push(((mean - expected) / error, what));
+                for (axes, spreads) in spreads.into_iter().enumerate() {
+                    let (mean, error) = mean_and_error(&spreads);
+                    let of = format!("{sampler:?}, dimensions {d} and {e}, axes {axes}");
+                    deviations.push(((mean - expected) / error, format!("{of}, {count} samples: {mean:.3}")));
                 }
             }
         }
     }
-    all_within(deviations);
+    assert_all_within(deviations);
 }
 
 /// A function on the square: its name, itself, its integral.
@@ -281,40 +265,27 @@ fn errors(
 fn integrals_are_as_good_as_a_true_owen_scrambling_makes_them() {
     const PIXELS: u32 = 4000;
     let mut rng = Rng(52);
-    for count in [11, 16, 64, 256] {
+    // Least gains. Measured with the textbook's points and 20,000 pixels: 8.8, 2.6, 3.9; 155, 3.6, 7.1; 2020,
+    // 7.8, 14; 28,600, 15, 29.
+    for (count, least) in [
+        (11, [7.0, 2.1, 2.1]),
+        (16, [120.0, 3.0, 5.7]),
+        (64, [1600.0, 6.3, 11.0]),
+        (256, [22_000.0, 12.0, 23.0]),
+    ] {
         let of_textbook: Vec<Vec<Point>> =
             (0..PIXELS / 2).map(|_| textbook::points(&mut rng, count)).collect();
-        for (name, f, integral) in FUNCTIONS {
+        for ((name, f, integral), least) in FUNCTIONS.into_iter().zip(least) {
             let of = |sampler| errors(PIXELS, f, integral, |seed| points_of_seed(sampler, seed, 10, count));
             let (sobol, random) = (of(Sampler::Sobol), of(Sampler::Random));
             let textbook = errors(PIXELS / 2, f, integral, |pixel| of_textbook[pixel as usize].clone());
             let bias = sobol[0] / (sobol[1] / f64::from(PIXELS)).sqrt();
             let (gain, loss) = (random[1] / sobol[1], sobol[1] / textbook[1]);
-            println!(
-                "{name}, {count} samples: variance {gain:.1} times below random, {loss:.3} of the textbook's"
-            );
-            assert!(bias.abs() < allowed(12), "{name}, {count} samples: biased by {bias:.1} standard errors");
-            // Measured with the textbook's points and 20,000 pixels: 8.8, 155, 2020, 28,600; 2.6, 3.6, 7.8,
-            // 15; 3.9, 7.1, 14, 29.
-            let least = match (name, count) {
-                ("smooth", 11) => 7.0,
-                ("smooth", 16) => 120.0,
-                ("smooth", 64) => 1600.0,
-                ("smooth", _) => 22_000.0,
-                (_, 11) => 2.1,
-                ("disc", 16) => 3.0,
-                ("disc", 64) => 6.3,
-                ("disc", _) => 12.0,
-                (_, 16) => 5.7,
-                (_, 64) => 11.0,
-                _ => 23.0,
-            };
-            assert!(gain > least, "{name}, {count} samples: variance only {gain:.1} times below random");
+            let what = format!("{name}, {count} samples");
+            assert!(bias.abs() < allowed(12), "{what}: biased by {bias:.1} standard errors");
+            assert!(gain > least, "{what}: variance only {gain:.1} times below random");
             // Of two mean squares of normal errors: standard error √(2/4000 + 2/2000) = 0.039.
-            assert!(
-                (loss - 1.0).abs() < 0.16,
-                "{name}, {count} samples: {loss:.2} of the textbook's variance"
-            );
+            assert!((loss - 1.0).abs() < 0.16, "{what}: {loss:.2} of the textbook's variance");
         }
     }
 }
@@ -362,7 +333,7 @@ fn whatever_the_seed_errors_of_pixels_have_no_bias_and_nothing_in_common() {
             }
         }
     }
-    all_within(deviations);
+    assert_all_within(deviations);
 }
 
 /// The point of the pixel at (x, y) in a dimension before the first bounce.
@@ -417,10 +388,8 @@ fn blocks_of_pixels_share_a_net_before_the_first_bounce() {
                     let pixels = (0..side * side).map(|i| [left + i % side, top + i / side]);
                     let points: Vec<Point> =
                         pixels.map(|pixel| shared_point(seed, pixel, sample, dimension)).collect();
-                    assert!(
-                        is_net(&points),
-                        "dimension {dimension}, sample {sample}, block {block:?} of {side}"
-                    );
+                    let at = format!("dimension {dimension}, sample {sample}, block {block:?} of {side}");
+                    assert!(is_net(&points), "{at}");
                 }
             }
         }
@@ -436,16 +405,12 @@ fn pairs_of_a_block_of_pixels_meet_as_independent_orders_do() {
     for (i, &d) in shared.iter().enumerate() {
         for &e in &shared[i + 1..] {
             for axes in 0..4 {
-                let spread = |seed: u32| {
-                    let mut cells = [0.0; 16];
-                    for pixel in (0..64).map(|i| [seed / 32 * 8 % 240 + i % 8, seed % 32 * 8 + i / 8]) {
-                        let [a, b] = [d, e].map(|dimension| shared_point(seed, pixel, 3, dimension));
-                        cells[(a[axes & 1] * 4.0) as usize * 4 + (b[axes >> 1] * 4.0) as usize] += 1.0;
-                    }
-                    cells.iter().map(|cell: &f64| (cell - 4.0).powi(2)).sum::<f64>() / 64.0
+                let of_seed = |seed: u32| {
+                    let pixels = (0..64).map(|i| [seed / 32 * 8 % 240 + i % 8, seed % 32 * 8 + i / 8]);
+                    let points = |of| pixels.clone().map(|pixel| shared_point(seed, pixel, 3, of)).collect();
+                    spread(axes, &[d, e].map(points))
                 };
-                let mean = (0..SEEDS).map(spread).sum::<f64>() / f64::from(SEEDS);
-                println!("dimensions {d} and {e}, axes {axes}: {mean:.2}");
+                let mean = (0..SEEDS).map(of_seed).sum::<f64>() / f64::from(SEEDS);
                 assert!((0.5..1.1).contains(&mean), "dimensions {d} and {e}, axes {axes}: {mean:.2}");
             }
         }
@@ -471,11 +436,7 @@ fn errors_of_neighbours_cancel_before_the_first_bounce() {
                 of_blocks += (errors.iter().sum::<f64>() / 16.0).powi(2);
             }
             let gain = of_pixels / 16.0 / of_blocks;
-            println!("{name}, {samples} samples: {gain:.1}");
-            assert!(
-                gain > least,
-                "{name}, {samples} samples: variance only {gain:.1} times below independent"
-            );
+            assert!(gain > least, "{name}, {samples} samples: variance {gain:.1} times below independent");
         }
     }
 }
@@ -486,24 +447,15 @@ fn shared_points_are_uniform_over_seeds_in_every_digit_and_pixel() {
     let mut deviations = Vec::new();
     for (dimension, pixel) in shared_pairs().zip([[0, 0], [17, 5], [200, 130], [63, 64]]) {
         for sample in [0, 1, 100] {
-            let mut set = [[0u32; 24]; 2];
             let points: Vec<Point> =
                 (0..SEEDS).map(|seed| shared_point(seed, pixel, sample, dimension)).collect();
-            for axis in [0, 1] {
-                for point in &points {
-                    let integer = (point[axis] * 16_777_216.0) as u32;
-                    set[axis].iter_mut().enumerate().for_each(|(bit, set)| *set += integer >> bit & 1);
-                }
-                for (bit, &set) in set[axis].iter().enumerate() {
-                    let off = (f64::from(set) - 0.5 * f64::from(SEEDS)) / (0.25 * f64::from(SEEDS)).sqrt();
-                    deviations.push((off, format!("bit {bit} of dimension {dimension}, sample {sample}")));
-                }
-            }
+            let at = format!("dimension {dimension}, sample {sample}");
+            deviations.extend([0, 1].into_iter().flat_map(|axis| bits_that_are_set(&points, axis, &at)));
             let both = joint(points.iter().map(|&[x, y]| (x, y)));
             deviations.push((both, format!("both numbers of dimension {dimension}, sample {sample}")));
         }
     }
-    all_within(deviations);
+    assert_all_within(deviations);
 }
 
 #[test]
@@ -561,10 +513,8 @@ fn one_number_is_half_of_its_pair() {
         let key = random::path_key::<u32>(seed, pixel, sample);
         assert_eq!(Sampler::Random.key::<u32>(seed, pixel, sample), key);
         let numbers = SampleValues::new(Sampler::Random, seed, sample, dimension);
-        assert_eq!(
-            in_pixel(&numbers, key, pixel, dimension).get_1d(1),
-            random::uniform::<f32>(key, dimension + 1)
-        );
+        let second = in_pixel(&numbers, key, pixel, dimension).get_1d(1);
+        assert_eq!(second, random::uniform::<f32>(key, dimension + 1));
     }
 }
 
@@ -576,9 +526,9 @@ fn the_layout_gives_every_use_numbers_of_its_own_and_pairs_begin_at_even_ones() 
     assert_eq!(dimension::LIGHT, dimension::LOBE + 1, "two choices share a pair");
     let mut used = vec![dimension::PIXEL, dimension::PIXEL + 1];
     for bounce in 0..3 {
-        let event = [dimension::LOBE, dimension::LIGHT, dimension::DIRECTION, dimension::DIRECTION + 1]
-            .into_iter()
-            .chain([dimension::LIGHT_POINT, dimension::LIGHT_POINT + 1]);
+        let choices = [dimension::LOBE, dimension::LIGHT];
+        let points = [dimension::DIRECTION, dimension::LIGHT_POINT].map(|of| [of, of + 1]);
+        let event = choices.into_iter().chain(points.into_iter().flatten());
         used.extend(event.map(|of| dimension::bounce(bounce) + of));
     }
     assert!(used.is_sorted_by(|a, b| a < b), "{used:?}");

@@ -2,20 +2,15 @@
 //! that all of them pass.
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, sphere, triangle};
-use glam::Vec3;
-use octray::bvh::{LEAF, Trees};
-use octray::math::MISS;
-use octray::scene::{MaterialKind, Scene};
-use octray::traverse::Traversal;
-use octray::traverse::hierarchy::Hierarchy;
+use crate::common::*;
+use octray::bvh::LEAF;
 
 /// Thin triangles behind each other, each across all rays.
 fn triangles() -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     for layer in 0..4500 {
         let z = layer as f32 * 2e-4;
-        let corners = [Vec3::new(-90.0, -90.0, z), Vec3::new(90.0, -90.0, z), Vec3::new(0.0, 90.0, z)];
+        let corners = [vec3(-90.0, -90.0, z), vec3(90.0, -90.0, z), vec3(0.0, 90.0, z)];
         scene.triangles.push(triangle(corners, 0));
     }
     scene
@@ -23,7 +18,7 @@ fn triangles() -> Scene {
 
 /// Spheres behind each other, each across all rays.
 fn spheres() -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     let layers = (0..700).map(|layer| sphere(Vec3::Z * (20.0 + layer as f32 * 2e-3), 20.0, 0));
     scene.spheres.extend(layers);
     scene
@@ -31,19 +26,15 @@ fn spheres() -> Scene {
 
 #[test]
 fn lists_grow_when_every_ray_passes_every_box() {
-    for scene in [triangles(), spheres()] {
-        every_ray_finds_its_hit(&scene);
-    }
-}
-
-fn every_ray_finds_its_hit(scene: &Scene) {
     let mut rng = Rng(95);
-    let hierarchy = Hierarchy::new(scene, Trees::WideAndBinary);
-    for count in [8191, 8185] {
+    let counts = [8191, 8185];
+    for (scene, count) in [triangles(), spheres()].iter().flat_map(|scene| counts.map(|count| (scene, count)))
+    {
+        let hierarchy = Hierarchy::new(scene, Trees::Wide);
         let mut set = Set::default();
         for _ in 0..count {
-            let aim = Vec3::new(rng.unit() as f32, rng.unit() as f32, 10.0);
-            set.push(Vec3::new(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
+            let aim = vec3(rng.unit() as f32, rng.unit() as f32, 10.0);
+            set.push(vec3(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
         }
         // Of the other traversals each ray goes by itself or with a packet.
         let expected = set.linear(scene);
@@ -64,7 +55,7 @@ fn any_hit_rays_of_a_whole_batch_reach_two_leaves() {
     scene.triangles.truncate(LEAF + 1);
     // The last one is met by rays that miss the others.
     let z = scene.triangles.len() as f32 * 2e-4;
-    let corners = [Vec3::new(90.0, 90.0, z), Vec3::new(-90.0, 90.0, z), Vec3::new(90.0, -90.0, z)];
+    let corners = [vec3(90.0, 90.0, z), vec3(-90.0, 90.0, z), vec3(90.0, -90.0, z)];
     scene.triangles.push(triangle(corners, 0));
     let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
     assert_eq!(hierarchy.bvh.wide[0].filled(), 2);
@@ -73,8 +64,8 @@ fn any_hit_rays_of_a_whole_batch_reach_two_leaves() {
     for _ in 0..8185 {
         // Inside of the boxes.
         let at = |unit: f64| 170.0 * unit as f32 - 85.0;
-        let aim = Vec3::new(at(rng.unit()), at(rng.unit()), 5.0);
-        set.push(Vec3::new(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
+        let aim = vec3(at(rng.unit()), at(rng.unit()), 5.0);
+        set.push(vec3(0.0, 0.0, -5.0), aim.normalize(), f32::INFINITY);
     }
     let misses = |answers: &[[u32; 4]]| answers.iter().map(|answer| answer[1] == MISS).collect::<Vec<_>>();
     let expected = misses(&set.linear(&scene));

@@ -5,14 +5,9 @@
 //! The oracle is a loop of its own that calls the kernels at width 1. Seeds are fixed.
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, ray, sphere, triangle};
-use glam::Vec3;
-use octray::kernel::ray_sphere::{self, SphereMethod};
-use octray::kernel::ray_triangle::{self, TriangleMethod};
-use octray::lane::{F32x8, F32x16, Lane};
-use octray::math::{self, MISS, Ray};
-use octray::scene::{MaterialKind, Scene};
-use octray::traverse::{List, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::common::*;
+use octray::kernel::ray_sphere::{self};
+use octray::kernel::ray_triangle::{self};
 
 /// A hit's bits: t, primitive, u, v.
 type Answer = [u32; 4];
@@ -98,7 +93,7 @@ fn mixed(rng: &mut Rng, spheres: usize, triangles: usize) -> Scene {
         triangle([(); 3].map(|()| (center + rng.in_cube()).as_vec3()), 0)
     });
     let triangles = corners.collect();
-    Scene { materials: vec![material(MaterialKind::Diffuse)], spheres, triangles, ..empty() }
+    Scene { spheres, triangles, ..diffuse() }
 }
 
 /// Unit directions from in and around the cube, towards it.
@@ -182,7 +177,7 @@ fn traversal_equals_every_primitive_one_by_one_along_axes_and_with_zeros_of_both
 fn traversal_equals_every_primitive_one_by_one_for_directions_of_no_length() {
     let mut rng = Rng(34);
     let scene = mixed(&mut rng, 10, 10);
-    let directions = [Vec3::NAN, Vec3::ZERO, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0), Vec3::X];
+    let directions = [Vec3::NAN, Vec3::ZERO, Vec3::INFINITY, vec3(0.0, f32::NAN, 1.0), Vec3::X];
     let rays: Vec<_> = (0..400).map(|i| ray((rng.in_cube() * 4.0).as_vec3(), directions[i % 5])).collect();
     assert_law_of_all(&scene, &rays);
 }

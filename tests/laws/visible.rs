@@ -1,24 +1,10 @@
 //! Law: leaving out what a tile cannot see changes no hit (conservative culling).
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, sphere};
-use glam::Vec3;
+use crate::common::*;
 use octray::camera::Pinhole;
-use octray::lane::F32x8;
-use octray::math::Ray;
-use octray::render::{Renderer, Settings};
 use octray::sampling::random::mix_bits;
-use octray::scene::{Camera, MaterialKind, Scene, Triangle};
-use octray::traverse::{List, Methods, PrimitiveList, SphereChoice, TraversalChoice};
-
-/// Tiles cull where every primitive is tested.
-const LINEAR: Methods = Methods {
-    sphere: SphereChoice::Robust,
-    triangle: octray::traverse::TriangleChoice::Woop,
-    traversal: TraversalChoice::Linear,
-    lights: octray::buffers::LightChoice::Auto,
-    sampler: octray::sampling::Sampler::Sobol,
-};
+use octray::traverse::PrimitiveList;
 
 const RESOLUTION: [u32; 2] = [64, 48];
 const TILE: u32 = 8;
@@ -26,7 +12,7 @@ const TILE: u32 = 8;
 /// A scene of spheres and triangles of all sizes all around the camera, some of which it stands in.
 fn scene(seed: u32, camera: Camera) -> Scene {
     let number = |i: u32| f32::from_bits(mix_bits(seed ^ mix_bits(i)) >> 9 | 0x3f80_0000) - 1.0;
-    let point = |i: u32| Vec3::new(number(i), number(i + 1), number(i + 2)) * 40.0 - 20.0;
+    let point = |i: u32| vec3(number(i), number(i + 1), number(i + 2)) * 40.0 - 20.0;
     let size = |i: u32| 10f32.powf(number(i) * 4.0 - 3.0);
     let ball = |i: u32| sphere(point(8 * i), size(8 * i + 3), 0);
     let triangle = |i: u32| {
@@ -36,10 +22,9 @@ fn scene(seed: u32, camera: Camera) -> Scene {
     };
     Scene {
         camera,
-        materials: vec![material(MaterialKind::Diffuse)],
         spheres: (0..60).map(ball).collect(),
         triangles: (0..60).map(triangle).collect(),
-        ..empty()
+        ..diffuse()
     }
 }
 
@@ -52,19 +37,15 @@ fn primary_rays(camera: &Pinhole, [x, y]: [u32; 2]) -> Set {
 
 #[test]
 fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
-    let cameras = [
-        (Vec3::ZERO, Vec3::Z, 40.0),
-        (Vec3::new(3.0, -2.0, 5.0), Vec3::X, 1.0),
-        (Vec3::ONE, -Vec3::ONE, 150.0),
-    ];
+    let cameras =
+        [(Vec3::ZERO, Vec3::Z, 40.0), (vec3(3.0, -2.0, 5.0), Vec3::X, 1.0), (Vec3::ONE, -Vec3::ONE, 150.0)];
     let (mut skipped, mut found, mut empty_lists) = (0, 0, 0);
     for (seed, (position, towards, vertical_fov)) in
         (1..=12).flat_map(|seed| cameras.map(|camera| (seed, camera)))
     {
-        let camera =
-            Camera { position, look_at: position + towards, up: Vec3::new(0.1, 1.0, 0.2), vertical_fov };
+        let camera = Camera { position, look_at: position + towards, up: vec3(0.1, 1.0, 0.2), vertical_fov };
         let scene = scene(seed, camera);
-        let list = List::new(&scene, LINEAR);
+        let list = List::new(&scene, Methods::default());
         let camera = Pinhole::new(&scene.camera, RESOLUTION);
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
@@ -114,7 +95,7 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     let edges = edge_rays(&camera, corner);
     let point = |ray: &Ray<f32>| ray.at(AWAY).get(0);
     let middle = camera.rays(corner[0] as f32 + TILE as f32 / 2.0, corner[1] as f32 + TILE as f32 / 2.0);
-    let materials = vec![material(MaterialKind::Diffuse)];
+    let materials = vec![material(Diffuse)];
     let mut specks = Scene { camera: view, materials, ..empty() };
     let mut beside = specks.clone();
     for edge in &edges {
@@ -122,16 +103,15 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
         for pair in edge.windows(4) {
             let [a, b] = [point(&pair[0]), point(&pair[3])];
             let outwards = (a + b - 2.0 * point(&middle)).normalize();
-            let triangle = Triangle { vertices: [a, b, a + outwards], material: 0 };
             if (b - a).cross(outwards).length() > 0.0 {
-                beside.triangles.push(triangle);
+                beside.triangles.push(triangle([a, b, a + outwards], 0));
             }
         }
     }
     let rays = Set::of(&edges.into_iter().flatten().collect::<Vec<Ray<f32>>>());
     [specks, beside].map(|scene| {
         let visible = PrimitiveList::of(&scene, &camera.view_frustum(corner, [TILE, TILE]));
-        let list = List::new(&scene, LINEAR);
+        let list = List::new(&scene, Methods::default());
         let trace = |visible: Option<&PrimitiveList>| rays.nearest::<f32>(&list, visible);
         let everything = trace(None);
         assert_eq!(trace(Some(&visible)), everything, "{view:?}, tile at {corner:?}");
@@ -155,7 +135,6 @@ fn visible_keeps_what_edge_rays_of_a_narrow_view_hit() {
     for fov in [1e-2, 1e-3, 1e-4] {
         let hits = views(fov).map(|view| edges_are_kept(view, RESOLUTION, [24, 16]));
         let [spheres, triangles] = hits.fold([0, 0], |[a, b], [c, d]| [a + c, b + d]);
-        println!("{fov} degrees: {spheres} spheres, {triangles} triangles hit by 2,080 rays");
         assert!(spheres > 100 && triangles > 100, "{fov}: only {spheres} and {triangles} hits");
     }
 }
@@ -170,7 +149,6 @@ fn visible_keeps_what_edge_rays_of_a_wide_view_hit() {
         let tiles = [middle, beside, [middle[0], beside[1]]];
         let hits = views(fov).flat_map(|view| tiles.map(|tile| edges_are_kept(view, resolution, tile)));
         let [spheres, triangles] = hits.fold([0, 0], |[a, b], [c, d]| [a + c, b + d]);
-        println!("{fov} degrees: {spheres} spheres, {triangles} triangles hit by 6,240 rays");
         assert!(spheres > 300 && triangles > 300, "{fov}: only {spheres} and {triangles} hits");
     }
 }
@@ -179,13 +157,8 @@ fn visible_keeps_what_edge_rays_of_a_wide_view_hit() {
 /// primitive: a tile that sees only what is there would lose them.
 #[test]
 fn visible_is_not_used_where_equations_stray_from_their_primitives() {
-    let camera = Camera { position: Vec3::Z * 2e4, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 0.1 };
-    let scene = Scene {
-        camera,
-        materials: vec![material(MaterialKind::Diffuse)],
-        spheres: vec![sphere(Vec3::new(0.2, 0.1, 0.0), 1.0, 0)],
-        ..empty()
-    };
+    let camera = camera(Vec3::Z * 2e4, Vec3::ZERO, 0.1);
+    let scene = Scene { camera, spheres: vec![sphere(vec3(0.2, 0.1, 0.0), 1.0, 0)], ..diffuse() };
     let hits = |sphere, tile_size| {
         let methods = Methods { sphere, ..Methods::default() };
         let settings = Settings { resolution: [32, 32], methods, tile_size, ..Settings::of(&scene) };
@@ -204,7 +177,7 @@ fn visible_is_not_used_where_equations_stray_from_their_primitives() {
 
 #[test]
 fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
-    let camera = Camera { position: Vec3::ZERO, look_at: Vec3::NEG_Z, up: Vec3::Y, vertical_fov: 40.0 };
+    let camera = camera(Vec3::ZERO, Vec3::NEG_Z, 40.0);
     let mut scene = scene(1, camera);
     let ball = |z: f32, radius: f32| sphere(Vec3::Z * z, radius, 0);
     scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];

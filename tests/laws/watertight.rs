@@ -5,15 +5,9 @@
 //! A million rays: `cargo test -p octray-tests --test laws watertight -- --ignored --nocapture`.
 
 use crate::common::rays::Set;
-use crate::common::{Rng, empty, material, triangle};
-use glam::{DVec3, Vec3};
-use octray::bvh::Trees;
-use octray::math::MISS;
+use crate::common::*;
 use octray::measure::stability::meshes::bumpy_ball;
-use octray::scene::{MaterialKind, Scene};
 use octray::traverse::Layout;
-use octray::traverse::Traversal;
-use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::tile::TILE;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -60,7 +54,7 @@ fn cuboid(half: DVec3, turned: bool) -> Vec<Corners> {
     let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.8, 0.5);
     let corner = |i: usize| {
         let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
-        let corner = half * DVec3::new(sign(1), sign(2), sign(4));
+        let corner = half * dvec3(sign(1), sign(2), sign(4));
         (if turned { turn * corner } else { corner }).as_vec3()
     };
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -79,16 +73,16 @@ fn meshes() -> Vec<Mesh> {
     // Coarse ones: padding goes by the largest, so that every triangle near the middle is tested.
     let coarse = bumpy_ball(5);
     let shells = [1e-6, 1e-3, 1.0, 1e3, 1e6].map(|scale| moved(&coarse, |point| point * scale));
-    let far = DVec3::new(500.0, -300.0, 700.0);
+    let far = dvec3(500.0, -300.0, 700.0);
     vec![
         mesh("ball", ball.clone(), around(0.6)),
-        mesh("needles", flattened(DVec3::new(1.0, 1e-4, 1e3)), around(5e-5)),
-        mesh("slices", flattened(DVec3::new(1e-3, 30.0, 1e-3)), around(5e-4)),
+        mesh("needles", flattened(dvec3(1.0, 1e-4, 1e3)), around(5e-5)),
+        mesh("slices", flattened(dvec3(1e-3, 30.0, 1e-3)), around(5e-4)),
         mesh("tiny", scaled(DVec3::splat(1e-6)), around(6e-7)),
         mesh("huge", scaled(DVec3::splat(1e6)), around(6e5)),
         mesh("far", moved(&ball, |point| point + far), Inside::Ball(far, 0.6)),
-        mesh("box along the axes", cuboid(DVec3::new(1.0, 2.0, 0.5), false), around(0.4)),
-        mesh("turned box", cuboid(DVec3::new(1.0, 1e-3, 3.0), true), around(5e-4)),
+        mesh("box along the axes", cuboid(dvec3(1.0, 2.0, 0.5), false), around(0.4)),
+        mesh("turned box", cuboid(dvec3(1.0, 1e-3, 3.0), true), around(5e-4)),
         mesh("knot", knot, Inside::Behind(0.08)),
         Mesh {
             name: "shells",
@@ -102,7 +96,7 @@ fn meshes() -> Vec<Mesh> {
 impl Mesh {
     fn scene(&self) -> Scene {
         let triangles = self.triangles.iter().chain(&self.outside).map(|&corners| triangle(corners, 0));
-        Scene { materials: vec![material(MaterialKind::Diffuse)], triangles: triangles.collect(), ..empty() }
+        Scene { triangles: triangles.collect(), ..diffuse() }
     }
 
     /// A point inside, near this triangle where the mesh is no star.

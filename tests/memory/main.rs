@@ -4,17 +4,12 @@
 #[path = "../common/seat.rs"]
 mod seat;
 
-use octray::viewer::Viewer;
-use octray::viewer::frame::Frame;
 use octray::viewer::keys::Key;
-use octray::viewer::playlist::Playlist;
 use octray::viewer::state::Event;
-use seat::options;
+use seat::{Seat, options};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use std::alloc::System;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -30,59 +25,34 @@ const WRITTEN: Duration = Duration::from_millis(250);
 /// Pieces of memory in a frame of the views of paths (bounces, lanes) where several threads share its tiles.
 const SHARING: u64 = 2;
 
-/// A viewer without a window: frames are taken as they come.
-struct Seat {
-    viewer: Viewer,
-    frame: Frame,
-    made: Arc<AtomicU64>,
+fn start(scene: &str, threads: usize) -> Seat {
+    let seat = Seat::start(options([64, 36], threads, Path::new(".")), &[scene]);
+    // Frames as fast as they can be made.
+    seat.viewer.send(Event::Rate(1e6));
+    seat
 }
 
-impl Seat {
-    fn new(scene: &str, threads: usize) -> Self {
-        let options = options([64, 36], threads, Path::new("."));
-        let made = Arc::new(AtomicU64::new(0));
-        let count = made.clone();
-        let wake = Arc::new(move || {
-            count.fetch_add(1, Ordering::SeqCst);
-        });
-        let playlist = Playlist::new(&[scene.to_string()]).unwrap();
-        let viewer = Viewer::start(options, playlist, octray::scene::load_with_view(scene).unwrap(), wake);
-        // Frames as fast as they can be made.
-        viewer.send(Event::Rate(1e6));
-        Self { viewer, frame: Frame::default(), made }
+/// Takes frames until there were so many more.
+fn watch(seat: &mut Seat, frames: u64) {
+    let start = Instant::now();
+    let until = seat.made() + frames;
+    while seat.made() < until {
+        seat.viewer.take(&mut seat.frame);
+        assert!(start.elapsed() < Duration::from_secs(120), "frames come");
+        thread::sleep(Duration::from_micros(100));
     }
+}
 
-    fn key(&self, key: Key, down: bool) {
-        self.viewer.send(Event::Key { key, down, repeat: false });
+/// Pieces of memory taken, or made larger, in frames that go on for so long at least; and how long they did.
+fn pieces(seat: &mut Seat, least: Duration) -> (usize, Duration) {
+    watch(seat, WARM);
+    let (region, start) = (Region::new(MEMORY), Instant::now());
+    watch(seat, WATCHED);
+    while start.elapsed() < least {
+        watch(seat, 1);
     }
-    fn press(&self, letter: char) {
-        self.key(Key::Char(letter), true);
-        self.key(Key::Char(letter), false);
-    }
-
-    /// Takes frames until there were so many more.
-    fn watch(&mut self, frames: u64) {
-        let start = Instant::now();
-        let until = self.made.load(Ordering::SeqCst) + frames;
-        while self.made.load(Ordering::SeqCst) < until {
-            self.viewer.take(&mut self.frame);
-            assert!(start.elapsed() < Duration::from_secs(120), "frames come");
-            thread::sleep(Duration::from_micros(100));
-        }
-    }
-
-    /// Pieces of memory taken, or made larger, in frames that go on for so long at least; and how long they
-    /// did.
-    fn pieces(&mut self, least: Duration) -> (usize, Duration) {
-        self.watch(WARM);
-        let (region, start) = (Region::new(MEMORY), Instant::now());
-        self.watch(WATCHED);
-        while start.elapsed() < least {
-            self.watch(1);
-        }
-        let change = region.change();
-        (change.allocations + change.reallocations, start.elapsed())
-    }
+    let change = region.change();
+    (change.allocations + change.reallocations, start.elapsed())
 }
 
 /// Bytes that are in use.
@@ -96,15 +66,13 @@ fn in_use() -> isize {
 #[test]
 fn frames_take_no_memory() {
     for (scene, threads) in [("builtin:three", 1), ("builtin:cornell", 2)] {
-        let mut seat = Seat::new(scene, threads);
-        let (pieces, time) = seat.pieces(4 * WRITTEN);
+        let mut seat = start(scene, threads);
+        let (taken, time) = pieces(&mut seat, 4 * WRITTEN);
         let written = time.as_secs_f64() / WRITTEN.as_secs_f64() + 1.0;
-        assert!(pieces > 0, "{scene}: figures are written, and they are counted here");
-        assert!(
-            pieces as f64 <= PIECES * written,
-            "{scene}: {pieces} pieces for figures written {written:.1} times"
-        );
-        seat.press('i');
+        assert!(taken > 0, "{scene}: figures are written, and they are counted here");
+        let most = PIECES * written;
+        assert!(taken as f64 <= most, "{scene}: {taken} pieces for figures written {written:.1} times");
+        seat.press(Key::Char('i'));
         let views = if threads > 1 { "27" } else { "234567890" };
 
         // More threads share their work through queues, whose room rayon changes now and then.
@@ -114,9 +82,9 @@ fn frames_take_no_memory() {
         let few = |seat: &mut Seat, what: &str, most: u64| {
             let mut watched = Vec::new();
             let mut takes_more = || {
-                let from = seat.made.load(Ordering::SeqCst) + WARM;
-                let (pieces, _) = seat.pieces(Duration::ZERO);
-                let frames = seat.made.load(Ordering::SeqCst) - from + 1;
+                let from = seat.made() + WARM;
+                let (pieces, _) = pieces(seat, Duration::ZERO);
+                let frames = seat.made() - from + 1;
                 watched.push(format!("{pieces} pieces in {frames} frames"));
                 pieces as u64 > most * frames + now_and_then(frames)
             };
@@ -126,9 +94,9 @@ fn frames_take_no_memory() {
         let none = |seat: &mut Seat, what: &str| few(seat, what, 0);
         none(&mut seat, "standing");
         let before = in_use();
-        let from = seat.made.load(Ordering::SeqCst);
-        seat.watch(if threads > 1 { 200 } else { 1_000 });
-        let (more, frames) = (in_use() - before, seat.made.load(Ordering::SeqCst) - from);
+        let from = seat.made();
+        watch(&mut seat, if threads > 1 { 200 } else { 1_000 });
+        let (more, frames) = (in_use() - before, seat.made() - from);
         // A line of the test's own, and the queues.
         let most = 256 + 4096 * now_and_then(frames);
         assert!(more.unsigned_abs() as u64 <= most, "{scene}: {more} bytes more in use");
@@ -137,35 +105,28 @@ fn frames_take_no_memory() {
             seat.key(key, true);
         }
         none(&mut seat, "walking");
-        for view in views.chars() {
-            seat.press(view);
-            few(
-                &mut seat,
-                &format!("walking in view {view}"),
-                if "70".contains(view) && threads > 1 { SHARING } else { 0 },
-            );
-        }
-        seat.press('1');
-        seat.press('m');
+        let in_views = |seat: &mut Seat, what: &str| {
+            for view in views.chars() {
+                seat.press(Key::Char(view));
+                let most = if "70".contains(view) && threads > 1 { SHARING } else { 0 };
+                few(seat, &format!("{what} in view {view}"), most);
+            }
+        };
+        in_views(&mut seat, "walking");
+        seat.press(Key::Char('1'));
+        seat.press(Key::Char('m'));
         none(&mut seat, "walking with a map");
         for key in [Key::Char('w'), Key::Right] {
             seat.key(key, false);
         }
         seat.key(Key::Home, true);
-        for view in views.chars() {
-            seat.press(view);
-            few(
-                &mut seat,
-                &format!("standing in view {view}"),
-                if "70".contains(view) && threads > 1 { SHARING } else { 0 },
-            );
-        }
-        seat.press('1');
+        in_views(&mut seat, "standing");
+        seat.press(Key::Char('1'));
         for filter in ["3×3 blur", "FXAA"] {
-            seat.press('f');
+            seat.press(Key::Char('f'));
             none(&mut seat, filter);
         }
-        seat.press('n');
+        seat.press(Key::Char('n'));
         none(&mut seat, "with the denoiser");
         seat.viewer.finish();
     }

@@ -1,12 +1,10 @@
 //! Laws of stopping early: decisions are the same whoever computes them, pixels are those of a plain
 //! rendering with as many samples, and the error that is promised is the one that is there.
 
-use crate::common::{empty, material, sphere};
-use glam::Vec3;
+use crate::common::statistics::mean_and_error;
+use crate::common::*;
 use octray::adaptive::{BLACK_SAMPLES, ErrorEstimate, MAX_BLOCK_ERROR, MAX_SAMPLE_RATIO, Round, Target};
-use octray::film::{Film, Picture, noise::luminance};
-use octray::render::{Renderer, Settings};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky, load};
+use octray::film::noise::luminance;
 
 /// Sky above a few balls on a chessboard: easy and hard parts.
 fn settings(scene: &Scene) -> Settings {
@@ -30,10 +28,6 @@ fn plain(scene: &Scene, settings: Settings, samples: u32) -> Picture {
     crate::common::render(scene, settings, samples)
 }
 
-fn bits(film: &Film) -> Vec<[u32; 3]> {
-    film.picture().pixels.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
-}
-
 fn bright(pixel: &[f32; 3]) -> f64 {
     luminance(pixel.map(f64::from))
 }
@@ -48,10 +42,10 @@ fn decisions_and_bits_are_the_same_for_all_lanes_threads_and_chunks() {
     for (lanes, threads, chunk) in [(1, 1, u32::MAX), (1, 2, 7), (8, 2, u32::MAX), (8, 3, 1), (8, 1, 5)] {
         let film = render(&scene, Settings { lanes, threads, ..settings(&scene) }, TARGET, chunk);
         assert_eq!(film.counts(), expected.counts(), "{lanes} lanes, {threads} threads, chunks of {chunk}");
-        assert!(bits(&film) == bits(&expected) && film.rays() == expected.rays());
+        assert!(film.picture() == expected.picture() && film.rays() == expected.rays());
     }
     let other = render(&scene, Settings { seed: 5, ..settings(&scene) }, TARGET, u32::MAX);
-    assert!(bits(&other) != bits(&expected));
+    assert!(other.picture() != expected.picture());
 }
 
 #[test]
@@ -137,11 +131,8 @@ fn check_promised_errors(samples_of_truth: u32) {
             let rms = (errors.iter().map(|(n, e)| n * e * e).sum::<f64>() / pixels).sqrt();
             let largest = errors.iter().map(|&(_, error)| error).fold(0.0, f64::max);
             // Well spread points have less error than the differences of their samples say.
-            let spread = 1.5;
-            assert!(
-                rms < factor * reached.rms && rms > reached.rms / (factor * spread),
-                "{name}: {rms} for {reached:?}"
-            );
+            let least = reached.rms / (factor * 1.5);
+            assert!(rms < factor * reached.rms && rms > least, "{name}: {rms} for {reached:?}");
             assert!(largest < factor * MAX_BLOCK_ERROR * error, "{name}: {largest} in the worst block");
             if name == "chess" && error == 0.07 {
                 assert!(film.samples() == 16 && film.most_samples() == 512 && film.mean_samples() < 300.0);
@@ -155,8 +146,8 @@ fn black_blocks_end_but_look_for_light_first() {
     let black = Scene { sky: Sky::Color(Vec3::ZERO), ..empty() };
     for (most, samples) in [(1 << 14, BLACK_SAMPLES), (64, 64)] {
         let target = Target { error: 0.5, least: 16, most };
-        let film =
-            render(&black, Settings { resolution: [40, 24], ..Settings::of(&black) }, target, u32::MAX);
+        let settings = Settings { resolution: [40, 24], ..Settings::of(&black) };
+        let film = render(&black, settings, target, u32::MAX);
         assert_eq!((film.samples(), film.most_samples()), (samples, samples));
         assert_eq!(ErrorEstimate::of(&film), ErrorEstimate { rms: 0.0, largest: 0.0 });
     }
@@ -164,13 +155,7 @@ fn black_blocks_end_but_look_for_light_first() {
 
 /// A bright speck, far smaller than a pixel, under a calm sky.
 fn speck() -> Scene {
-    let lamp = Material { emission: Vec3::splat(3_000.0), ..material(MaterialKind::Emitter) };
-    Scene {
-        camera: Camera { position: Vec3::Z * 5.0, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 40.0 },
-        materials: vec![lamp],
-        spheres: vec![sphere(Vec3::ZERO, 0.005, 0)],
-        ..empty()
-    }
+    Scene { materials: vec![lamp(3_000.0)], spheres: vec![sphere(Vec3::ZERO, 0.005, 0)], ..empty() }
 }
 
 #[test]
@@ -205,24 +190,17 @@ fn stopping_early_darkens_by_less_than_a_hundredth_of_the_target_over_many_seeds
 
 /// Holds the mean luminance over some seeds against that of all pixels having the same number of samples.
 fn check_darkening(name: &str, error: f64, seeds: u32) {
-    {
-        let scene = load(&format!("builtin:{name}")).unwrap();
-        let mean = |picture: &Picture| picture.pixels.iter().map(bright).sum::<f64>() / 5184.0;
-        let (mut sum, mut squares, mut all) = (0.0, 0.0, 0.0);
-        for seed in 0..seeds {
-            let settings = Settings { seed, threads: 2, ..settings(&scene) };
-            let film = render(&scene, settings, Target { error, least: 16, most: 4096 }, u32::MAX);
-            let unbiased = mean(&plain(&scene, settings, 256));
-            let bias = mean(&film.picture()) - unbiased;
-            (sum, squares, all) = (sum + bias, squares + bias * bias, all + unbiased);
-        }
-        let n = f64::from(seeds);
-        let (bias, spread) = (sum / n, ((squares / n - (sum / n).powi(2)) / (n - 1.0)).sqrt());
-        let (bias, spread) = (n * bias / all, n * spread / all);
-        println!("{name}: {bias} ± {spread}");
-        assert!(spread < error / 300.0, "{name}: {spread} is too uncertain to tell");
-        assert!(bias.abs() < error / 100.0, "{name}: {bias} ± {spread}");
-    }
+    let scene = load(&format!("builtin:{name}")).unwrap();
+    let mean = |picture: &Picture| picture.pixels.iter().map(bright).sum::<f64>() / 5184.0;
+    let of_seed = |seed| {
+        let settings = Settings { seed, threads: 2, ..settings(&scene) };
+        let film = render(&scene, settings, Target { error, least: 16, most: 4096 }, u32::MAX);
+        let unbiased = mean(&plain(&scene, settings, 256));
+        mean(&film.picture()) / unbiased - 1.0
+    };
+    let (bias, spread) = mean_and_error(&(0..seeds).map(of_seed).collect::<Vec<_>>());
+    assert!(spread < error / 300.0, "{name}: {spread} is too uncertain to tell");
+    assert!(bias.abs() < error / 100.0, "{name}: {bias} ± {spread}");
 }
 
 #[test]

@@ -1,18 +1,29 @@
 //! Laws of what stands between a film and a window: blur, smoothed edges, noise removed, the pace of walking.
 
-use crate::common::{Rng, empty, floor, lamp, material, sphere};
-use glam::Vec3;
+use crate::common::*;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
-use octray::film::Picture;
 use octray::integrate::aovs::Aovs;
 use octray::integrate::edge_aovs::DenoiserAovs;
-use octray::render::{Renderer, Settings};
-use octray::scene::{Filter, MaterialKind, Scene};
-use octray::tone::Tone;
 
 fn picture([width, height]: [u32; 2], pixel: impl FnMut((u32, u32)) -> [f32; 3]) -> Picture {
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    Picture { width, height, pixels: places.map(pixel).collect() }
+    Picture { width, height, pixels: places([width, height]).map(pixel).collect() }
+}
+
+/// What the denoiser makes of a picture of so many samples.
+fn denoised(picture: &Picture, samples: u32, guides: &DenoiserAovs) -> Picture {
+    Denoiser::new().filter(picture, Samples::Same(samples), guides).clone()
+}
+
+/// The largest difference of two pictures.
+fn difference(a: &Picture, b: &Picture) -> f32 {
+    let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// The root of the sum of the squares of their differences.
+fn distance(a: &Picture, b: &Picture) -> f64 {
+    let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
+    pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 fn grey(value: f32) -> [f32; 3] {
@@ -63,18 +74,13 @@ fn blur_is_the_sum_of_nine_and_the_middle_again_over_ten() {
     let shown = blur.filter(&picture);
     // Rows 1 2 3 4, 5 6 7 8, 9 10 11 12 in red.
     assert_eq!(shown.pixels[5][0], (1 + 2 + 3 + 5 + 2 * 6 + 7 + 9 + 10 + 11) as f32 / 10.0);
-    assert_eq!(
-        shown.pixels[5][1],
-        (10 + 20 + 20 + 40) as f32 / 10.0 + 1.0,
-        "x·y of nine, and of the middle again"
-    );
+    let of_nine = (10 + 20 + 20 + 40) as f32 / 10.0;
+    assert_eq!(shown.pixels[5][1], of_nine + 1.0, "x·y of nine, and of the middle again");
     // At a corner its own column and row go on.
     assert_eq!(shown.pixels[0][0], (1 + 1 + 2 + 1 + 2 + 2 + 5 + 5 + 6) as f32 / 10.0);
     assert_eq!(shown.pixels[11][0], (7 + 8 + 8 + 11 + 2 * 12 + 12 + 11 + 12 + 12) as f32 / 10.0);
     assert_eq!(shown.pixels[6][2], 0.3);
-    let mut wide = Blur::new();
-    let dot = wide.filter(&self::picture([1, 1], |_| grey(0.5)));
-    assert_eq!(dot.pixels, [grey(0.5)]);
+    assert_eq!(Blur::new().filter(&self::picture([1, 1], |_| grey(0.5))).pixels, [grey(0.5)]);
 }
 
 #[test]
@@ -82,18 +88,14 @@ fn filters_leave_a_constant_picture_constant() {
     let scene = Scene { resolution: [37, 21], ..empty() };
     let flat = picture(scene.resolution, |_| [0.3, 0.7, 2.5]);
     assert_eq!(Fxaa::new().filter(&flat, &Tone::default()), &flat);
-    assert_eq!(
-        Denoiser::new().filter(&flat, Samples::Same(1), &guides(&scene)),
-        &flat,
-        "the sky stays as it is"
-    );
+    assert_eq!(denoised(&flat, 1, &guides(&scene)), flat, "the sky stays as it is");
     let near = |shown: &Picture| {
         let pairs = shown.pixels.as_flattened().iter().zip(flat.pixels.as_flattened());
         pairs.into_iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-6)
     };
     assert!(near(Blur::new().filter(&flat)));
     let scene = Scene { resolution: [37, 21], ..floor(Vec3::ZERO, 2.0) };
-    assert!(near(Denoiser::new().filter(&flat, Samples::Same(1), &guides(&scene))));
+    assert!(near(&denoised(&flat, 1, &guides(&scene))));
 }
 
 #[test]
@@ -121,18 +123,15 @@ fn fxaa_smooths_a_slanted_edge_towards_what_it_covers() {
             });
             grey(parts.count() as f32 / 64.0)
         });
-        let error = |shown: &Picture| {
-            let pairs = shown.pixels.iter().zip(&covered.pixels);
-            pairs.map(|(a, b)| f64::from(a[0] - b[0]).powi(2)).sum::<f64>()
-        };
         let mut fxaa = Fxaa::new();
         let smooth = fxaa.filter(&steps, &Tone::default());
-        assert!(error(smooth) < 0.5 * error(&steps), "slope {slope}: {} of {}", error(smooth), error(&steps));
+        let [error, before] = [smooth, &steps].map(|shown| distance(shown, &covered).powi(2));
+        assert!(error < 0.5 * before, "slope {slope}: {error} of {before}");
         // What is dark to one side is bright to the other: turned upside down, the edge gives the same
         // picture upside down.
         let turned = |of: &Picture| Picture { pixels: of.pixels.iter().rev().copied().collect(), ..*of };
-        let (smooth, again) = (turned(smooth), Fxaa::new().filter(&turned(&steps), &Tone::default()).clone());
-        assert!(smooth.pixels.iter().zip(&again.pixels).all(|(a, b)| (a[0] - b[0]).abs() < 1e-5));
+        let again = Fxaa::new().filter(&turned(&steps), &Tone::default()).clone();
+        assert!(difference(&turned(smooth), &again) < 1e-5);
     }
 }
 
@@ -150,8 +149,8 @@ fn balls() -> Scene {
     let wall = floor(Vec3::ZERO, 4.0);
     Scene {
         resolution: [61, 43],
-        camera: octray::scene::Camera { vertical_fov: 50.0, ..wall.camera },
-        spheres: vec![sphere(Vec3::new(-0.8, 0.5, 0.0), 0.8, 0), sphere(Vec3::new(1.0, 0.8, 0.4), 0.5, 0)],
+        camera: Camera { vertical_fov: 50.0, ..wall.camera },
+        spheres: vec![sphere(vec3(-0.8, 0.5, 0.0), 0.8, 0), sphere(vec3(1.0, 0.8, 0.4), 0.5, 0)],
         ..wall
     }
 }
@@ -164,19 +163,13 @@ fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
     let mut rng = Rng::of("display", [7, 0]);
     let noisy = picture(scene.resolution, |(x, y)| grey(levels(x, y) * (2.0 * rng.unit()) as f32));
     let clean = picture(scene.resolution, |(x, y)| grey(levels(x, y)));
-    let mut denoiser = Denoiser::new();
-    let shown = denoiser.filter(&clean, Samples::Same(1), &guides);
+    let shown = denoised(&clean, 1, &guides);
     let mixed = edges(&guides);
-    for (at, (a, b)) in shown.pixels.iter().zip(&clean.pixels).enumerate() {
-        let place = (at as u32 % 61, at as u32 / 61);
+    for (place, (a, b)) in places(scene.resolution).zip(shown.pixels.iter().zip(&clean.pixels)) {
         let change = (a[0] / b[0] - 1.0).abs();
         assert!(change < 1e-5 || mixed.contains(&place), "{place:?}: no light crosses an edge");
     }
-    let error = |shown: &Picture| {
-        let pairs = shown.pixels.iter().zip(&clean.pixels);
-        pairs.map(|(a, b)| f64::from(a[0] - b[0]).powi(2)).sum::<f64>().sqrt()
-    };
-    let (before, after) = (error(&noisy), error(denoiser.filter(&noisy, Samples::Same(1), &guides)));
+    let [before, after] = [&noisy, &denoised(&noisy, 1, &guides)].map(|shown| distance(shown, &clean));
     assert!(after < before / 4.0, "{after} of {before}");
 }
 
@@ -184,12 +177,12 @@ fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
 /// border and of its tip.
 fn two_sides(left: [f32; 2], right: [f32; 2], materials: [u32; 2]) -> Scene {
     let side = |[border, tip]: [f32; 2], x: f32, material| {
-        let at = |y, z| Vec3::new(0.01, y, z);
-        crate::common::triangle([at(-90.0, border), at(90.0, border), Vec3::new(x, 0.0, tip)], material)
+        let at = |y, z| vec3(0.01, y, z);
+        triangle([at(-90.0, border), at(90.0, border), vec3(x, 0.0, tip)], material)
     };
     Scene {
         resolution: [40, 24],
-        materials: vec![material(MaterialKind::Diffuse); 2],
+        materials: vec![material(Diffuse); 2],
         triangles: vec![side(left, -90.0, materials[0]), side(right, 90.0, materials[1])],
         ..empty()
     }
@@ -204,16 +197,12 @@ fn denoiser_stops_at_objects_and_at_normals_and_at_distances() {
         ("a step", two_sides([0.0, 0.0], [2.0, 2.0], [0, 0])),
     ] {
         let guides = guides(&scene);
-        assert!(
-            guides.centers().pixel(1, 12).distance.is_finite()
-                && guides.centers().pixel(38, 12).distance.is_finite()
-        );
+        assert!([1, 38].into_iter().all(|x| guides.centers().pixel(x, 12).distance.is_finite()));
         // One noise on both sides, and a little green on the right one that it hides.
         let noisy = picture(scene.resolution, |(x, _)| {
             [rng.unit() as f32, if x < 20 { 0.0 } else { 0.1 }, rng.unit() as f32]
         });
-        let mut denoiser = Denoiser::new();
-        let shown = denoiser.filter(&noisy, Samples::Same(1), &guides);
+        let shown = &denoised(&noisy, 1, &guides);
         for (at, (shown, noisy)) in shown.pixels.iter().zip(&noisy.pixels).enumerate() {
             assert!((shown[1] - noisy[1]).abs() < 1e-6, "{what}: pixel {at}, {shown:?}");
         }
@@ -231,13 +220,11 @@ fn denoiser_leaves_many_samples_and_lamps_as_they_are() {
     let guides = guides(&scene);
     let mut rng = Rng::of("display", [9, 0]);
     let noisy = picture(scene.resolution, |_| grey(rng.unit() as f32 + 0.5));
-    let mut denoiser = Denoiser::new();
     let mixed = edges(&guides);
-    let mut change = |samples| {
-        let shown = denoiser.filter(&noisy, Samples::Same(samples), &guides);
+    let change = |samples| {
+        let shown = denoised(&noisy, samples, &guides);
         let mut changes = [0.0f32; 3];
-        for (at, (a, b)) in shown.pixels.iter().zip(&noisy.pixels).enumerate() {
-            let (x, y) = (at as u32 % 61, at as u32 / 61);
+        for ((x, y), (a, b)) in places(scene.resolution).zip(shown.pixels.iter().zip(&noisy.pixels)) {
             if samples > 1 || !mixed.contains(&(x, y)) {
                 let object = guides.centers().pixel(x, y).object;
                 let change = &mut changes[object.min(2) as usize];
@@ -257,7 +244,7 @@ fn denoiser_leaves_many_samples_and_lamps_as_they_are() {
 /// noise would stay: all of it at the mirror's roughness of 0.
 #[test]
 fn denoiser_filters_what_mirrors_and_glass_show() {
-    for kind in [MaterialKind::Metal { roughness: 0.0 }, MaterialKind::Glass { ior: 1.5 }] {
+    for kind in [Metal { roughness: 0.0 }, Glass { ior: 1.5 }] {
         let mut scene = balls();
         scene.max_bounces = 6;
         scene.materials.push(material(kind));
@@ -271,17 +258,16 @@ fn denoiser_filters_what_mirrors_and_glass_show() {
             let noise = 2.0 * rng.unit() as f32;
             albedo(place).map(|channel| 0.8 * channel * noise)
         });
-        let mut denoiser = Denoiser::new();
-        let shown = denoiser.filter(&noisy, Samples::Same(1), &guides);
+        let shown = denoised(&noisy, 1, &guides);
         let (mut before, mut after, mut pixels) = (0.0, 0.0, 0);
-        for (at, (shown, noisy)) in shown.pixels.iter().zip(&noisy.pixels).enumerate() {
-            let (x, y) = (at as u32 % 61, at as u32 / 61);
+        for (at, (x, y)) in places(scene.resolution).enumerate() {
+            let [shown, noisy] = [&shown, &noisy].map(|picture| picture.pixels[at]);
             let (seen, followed) = (first.pixel(x, y), at_centers.pixel(x, y));
             assert_eq!(seen.object == followed.object, seen.object != 0, "an image is another object");
             if seen.object == 0 && followed.distance.is_finite() {
                 assert!(followed.distance > seen.distance && followed.lobe == 1.0);
                 let square = |color: [f32; 3]| f64::from(color[0] - clean.pixels[at][0]).powi(2);
-                (before, after, pixels) = (before + square(*noisy), after + square(*shown), pixels + 1);
+                (before, after, pixels) = (before + square(noisy), after + square(shown), pixels + 1);
             }
         }
         assert!(pixels > 100 && after < before / 4.0, "{kind:?}: {after} of {before}, {pixels} pixels");
@@ -301,16 +287,15 @@ fn denoiser_composes_pixels_at_edges_of_what_lies_on_both_sides() {
     let is_left = |x, y| guides.centers().pixel(x, y).object == left;
     let column = (0..40).find(|&x| !is_left(x, 12)).unwrap();
     let flat = picture(scene.resolution, |(x, y)| grey(if is_left(x, y) { 0.1 } else { 0.9 }));
-    let mut denoiser = Denoiser::new();
     let row = |picture: &Picture| {
         [-2, -1, 0, 1].map(|right| picture.pixels[(12 * 40 + column as i32 + right) as usize][0])
     };
-    let [outer, before, behind, inner] = row(denoiser.filter(&flat, Samples::Same(1), &guides));
+    let [outer, before, behind, inner] = row(&denoised(&flat, 1, &guides));
     assert!((outer - 0.1).abs() < 1e-4 && (inner - 0.9).abs() < 1e-4, "{outer} {inner}");
     // The border lies left or right of the centre of one of both pixels, whose points see both sides.
     let mixed = [before, behind].into_iter().filter(|value| (0.2..0.8).contains(value)).count();
     assert_eq!(mixed, 1, "{before} {behind}");
-    let many = row(denoiser.filter(&flat, Samples::Same(1_000_000), &guides));
+    let many = row(&denoised(&flat, 1_000_000, &guides));
     assert!(many.iter().zip(row(&flat)).all(|(a, b)| (a - b).abs() < 1e-3), "the film's mean: {many:?}");
 }
 
@@ -319,12 +304,12 @@ fn denoiser_composes_pixels_at_edges_of_what_lies_on_both_sides() {
 #[test]
 fn denoiser_smooths_metal_as_far_as_it_is_rough() {
     let left = |roughness| {
-        let metal = material(MaterialKind::Metal { roughness });
+        let metal = material(Metal { roughness });
         let scene = two_sides([-10.0; 2], [-10.0; 2], [0; 2]);
         let guides = guides(&Scene { resolution: [40, 400], materials: vec![metal], ..scene });
         let mut rng = Rng::of("display", [11, 0]);
         let noisy = picture([40, 400], |_| grey(rng.unit() as f32 + 0.5));
-        noise(Denoiser::new().filter(&noisy, Samples::Same(1), &guides), 1.0) / noise(&noisy, 1.0)
+        noise(&denoised(&noisy, 1, &guides), 1.0) / noise(&noisy, 1.0)
     };
     let [brushed, rough] = [0.2, 0.5].map(left);
     assert!((0.02..0.1).contains(&brushed) && rough < brushed / 4.0, "{brushed} {rough}");
@@ -335,7 +320,7 @@ fn denoiser_keeps_pictures_on_surfaces_sharp() {
     // Light of one brightness on balls of many colours, which the guides tell.
     let mut scene = balls();
     scene.textures.push(crate::common::noise(&mut Rng::of("display", [4, 0]), 12, 6, Filter::Nearest));
-    scene.materials.push(octray::scene::Material { texture: Some(0), ..material(MaterialKind::Diffuse) });
+    scene.materials.push(Material { texture: Some(0), ..material(Diffuse) });
     scene.spheres.iter_mut().for_each(|ball| ball.material = 1);
     let guides = guides(&scene);
     let mut rng = Rng::of("display", [3, 0]);
@@ -352,14 +337,9 @@ fn denoiser_keeps_pictures_on_surfaces_sharp() {
         let noise = 2.0 * rng.unit() as f32;
         lit.pixels[(y * lit.width + x) as usize].map(|channel| channel * noise)
     });
-    let error = |shown: &Picture| {
-        let pairs = shown.pixels.as_flattened().iter().zip(lit.pixels.as_flattened());
-        pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
-    };
-    let mut denoiser = Denoiser::new();
-    let unharmed = error(denoiser.filter(&lit, Samples::Same(1), &guides)) / error(&noisy);
+    let [unharmed, left] =
+        [&lit, &noisy].map(|shown| distance(&denoised(shown, 1, &guides), &lit) / distance(&noisy, &lit));
     assert!(unharmed < 0.06, "light that is even on it: {unharmed}");
-    let left = error(denoiser.filter(&noisy, Samples::Same(1), &guides)) / error(&noisy);
     assert!(left < 0.5, "{left}");
 }
 
@@ -373,10 +353,8 @@ fn denoiser_is_the_same_mirrored() {
         pixels: of.pixels.chunks(40).flat_map(|row| row.iter().rev().copied()).collect(),
         ..*of
     };
-    let shown = mirrored(Denoiser::new().filter(&noisy, Samples::Same(1), &guides));
-    let again = Denoiser::new().filter(&mirrored(&noisy), Samples::Same(1), &guides).clone();
-    let differs = shown.pixels.as_flattened().iter().zip(again.pixels.as_flattened());
-    let worst = differs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    let shown = mirrored(&denoised(&noisy, 1, &guides));
+    let worst = difference(&shown, &denoised(&mirrored(&noisy), 1, &guides));
     assert!(worst < 1e-4, "{worst}: distances differ by rounding alone");
     assert!(noise(&shown, 0.5) < noise(&noisy, 0.5) / 2.0, "it did something");
 }
@@ -384,21 +362,17 @@ fn denoiser_is_the_same_mirrored() {
 /// A slanted plane is filtered along rows as along columns.
 #[test]
 fn denoiser_is_the_same_with_rows_for_columns() {
-    let at = [Vec3::new(-90.0, -200.0, -60.0), Vec3::new(6.0, 0.0, 4.0), Vec3::new(-90.0, 200.0, -60.0)];
+    let at = [vec3(-90.0, -200.0, -60.0), vec3(6.0, 0.0, 4.0), vec3(-90.0, 200.0, -60.0)];
     let seen = |turn: fn(Vec3) -> Vec3| {
-        let plane = crate::common::triangle(at.map(turn), 0);
-        let materials = vec![material(MaterialKind::Diffuse)];
-        guides(&Scene { resolution: [32, 32], materials, triangles: vec![plane], ..empty() })
+        guides(&Scene { resolution: [32, 32], triangles: vec![triangle(at.map(turn), 0)], ..diffuse() })
     };
     let mut rng = Rng::of("display", [4, 0]);
     let noisy = picture([32, 32], |_| grey(rng.unit() as f32));
     let turned = |of: &Picture| picture([32, 32], |(x, y)| of.pixels[(x * 32 + y) as usize]);
-    let shown = turned(Denoiser::new().filter(&noisy, Samples::Same(1), &seen(|at| at)));
+    let shown = turned(&denoised(&noisy, 1, &seen(|at| at)));
     // The picture's rows go down.
-    let guides = seen(|at| Vec3::new(-at.y, -at.x, at.z));
-    let again = Denoiser::new().filter(&turned(&noisy), Samples::Same(1), &guides).clone();
-    let differs = shown.pixels.iter().zip(&again.pixels).map(|(a, b)| (a[0] - b[0]).abs());
-    assert!(differs.fold(0.0, f32::max) < 1e-3);
+    let guides = seen(|at| vec3(-at.y, -at.x, at.z));
+    assert!(difference(&shown, &denoised(&turned(&noisy), 1, &guides)) < 1e-3);
     assert!(noise(&shown, 0.5) < noise(&noisy, 0.5) / 10.0, "a slanted plane is no edge");
 }
 
@@ -418,10 +392,7 @@ fn filters_give_the_same_bits_on_any_threads() {
     let large = Scene { resolution: [80, 50], ..balls() };
     used.filter(&picture([80, 50], |_| grey(9.0)), Samples::Same(1), &self::guides(&large));
     let counts = vec![2.0; noisy.pixels.len()];
-    assert_eq!(
-        used.filter(&noisy, Samples::Each(&counts), &guides),
-        Denoiser::new().filter(&noisy, Samples::Same(2), &guides)
-    );
+    assert_eq!(used.filter(&noisy, Samples::Each(&counts), &guides), &denoised(&noisy, 2, &guides));
 }
 
 #[test]

@@ -3,26 +3,19 @@
 //! without search, with well spread and with independent numbers; Welch's t holds the means of independent
 //! runs against each other, over the picture and in parts of it.
 
-use crate::common::statistics::allowed;
-use crate::common::{Rng, material, noise, smooth_ball, sphere, triangle};
-use glam::Vec3;
-use octray::buffers::LightChoice;
-use octray::film::Picture;
-use octray::render::Settings;
-use octray::sampling::Sampler;
-use octray::scene::{Filter, Material, MaterialKind, Scene, Sky};
-use octray::traverse::Methods;
+use crate::common::statistics::{allowed, mean_and_error};
+use crate::common::*;
 
 const KINDS: [MaterialKind; 9] = [
-    MaterialKind::Diffuse,
-    MaterialKind::Metal { roughness: 0.2 },
-    MaterialKind::Metal { roughness: 0.7 },
-    MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
-    MaterialKind::Plastic { roughness: 0.5, ior: 1.5 },
-    MaterialKind::MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 },
-    MaterialKind::Scatter { roughness: 0.4 },
-    MaterialKind::Scatter { roughness: 2.0 },
-    MaterialKind::Glass { ior: 1.5 },
+    Diffuse,
+    Metal { roughness: 0.2 },
+    Metal { roughness: 0.7 },
+    Plastic { roughness: 0.0, ior: 1.5 },
+    Plastic { roughness: 0.5, ior: 1.5 },
+    MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 },
+    Scatter { roughness: 0.4 },
+    Scatter { roughness: 2.0 },
+    Glass { ior: 1.5 },
 ];
 
 /// What is lit: a ball, as a sphere or as triangles with smooth normals.
@@ -41,7 +34,7 @@ fn balls(kind: MaterialKind) -> [Scene; 4] {
             vec![noise(&mut rng, 8, 6, Filter::Bilinear), noise(&mut rng, 7, 5, Filter::Nearest)];
         scene.materials[0].roughness_map = kind.has_roughness().then_some(0);
         scene.materials[0].normal_map = Some(1);
-        let at = |v: Vec3| glam::Vec2::new(0.5 + 0.4 * v.x, 0.5 + 0.3 * v.y + 0.1 * v.z);
+        let at = |v: Vec3| vec2(0.5 + 0.4 * v.x, 0.5 + 0.3 * v.y + 0.1 * v.z);
         scene.uvs = scene.triangles.iter().map(|triangle| triangle.vertices.map(at)).collect();
         scene
     };
@@ -52,17 +45,15 @@ fn balls(kind: MaterialKind) -> [Scene; 4] {
 /// Under a dim sky, between a round lamp and one of a triangle that is half below the ball's horizon, over a
 /// floor that throws light back.
 fn lit(mut scene: Scene) -> Scene {
-    let lamp = |radiance: Vec3| Material { emission: radiance, ..material(MaterialKind::Emitter) };
     let first = scene.materials.len() as u32;
     scene.materials.extend([
-        lamp(Vec3::new(9.0, 6.0, 3.0)),
-        lamp(Vec3::new(2.0, 4.0, 8.0)),
-        Material { color: Vec3::splat(0.5), ..material(MaterialKind::Diffuse) },
+        emitter(vec3(9.0, 6.0, 3.0)),
+        emitter(vec3(2.0, 4.0, 8.0)),
+        Material { color: Vec3::splat(0.5), ..material(Diffuse) },
     ]);
-    scene.spheres.push(sphere(Vec3::new(-1.5, 1.6, 1.2), 0.4, first));
-    let corners = [Vec3::new(1.6, -0.6, 0.9), Vec3::new(1.5, 1.1, 1.6), Vec3::new(1.9, 0.4, -0.5)];
-    let floor = [Vec3::new(-9.0, -1.4, -9.0), Vec3::new(0.0, -1.4, 18.0), Vec3::new(9.0, -1.4, -9.0)];
-    for (corners, material) in [(corners, first + 1), (floor, first + 2)] {
+    scene.spheres.push(sphere(vec3(-1.5, 1.6, 1.2), 0.4, first));
+    let corners = [vec3(1.6, -0.6, 0.9), vec3(1.5, 1.1, 1.6), vec3(1.9, 0.4, -0.5)];
+    for (corners, material) in [(corners, first + 1), (ground(9.0, -1.4), first + 2)] {
         scene.triangles.push(triangle(corners, material));
         if !scene.normals.is_empty() {
             scene.normals.push([Vec3::ZERO; 3]);
@@ -100,28 +91,22 @@ fn means(picture: &Picture) -> Vec<f64> {
     sums.into_iter().map(|(sum, count)| sum / count).collect()
 }
 
-/// For each of [`means`], the runs' average and the square of its standard error.
-fn runs(scene: &Scene, methods: Methods, samples: u32, first_seed: u32) -> Vec<[f64; 2]> {
+/// For each of [`means`], the runs' average and its standard error.
+fn runs(scene: &Scene, methods: Methods, samples: u32, first_seed: u32) -> Vec<(f64, f64)> {
     let of_runs: Vec<Vec<f64>> = (0..RUNS)
         .map(|run| {
             let settings = Settings { methods, seed: first_seed + run, ..Settings::of(scene) };
             means(&crate::common::render(scene, settings, samples))
         })
         .collect();
-    let n = f64::from(RUNS);
-    (0..of_runs[0].len())
-        .map(|of| {
-            let average = of_runs.iter().map(|run| run[of]).sum::<f64>() / n;
-            let squares = of_runs.iter().map(|run| (run[of] - average).powi(2)).sum::<f64>();
-            [average, squares / (n - 1.0) / n]
-        })
-        .collect()
+    let of = |of: usize| mean_and_error(&of_runs.iter().map(|run| run[of]).collect::<Vec<_>>());
+    (0..of_runs[0].len()).map(of).collect()
 }
 
 /// Welch's t of each of [`means`], and the relative standard error of the whole.
-fn welch(a: &[[f64; 2]], b: &[[f64; 2]]) -> (Vec<f64>, f64) {
-    let of = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]) / (a[1] + b[1]).sqrt();
-    (a.iter().zip(b).map(of).collect(), (a[0][1] + b[0][1]).sqrt() / a[0][0])
+fn welch(a: &[(f64, f64)], b: &[(f64, f64)]) -> (Vec<f64>, f64) {
+    let of = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0) / a.1.hypot(b.1);
+    (a.iter().zip(b).map(of).collect(), a[0].1.hypot(b[0].1) / a[0].0)
 }
 
 /// How much is rendered: samples with the search (eight times as many without), and the noise that is too

@@ -4,9 +4,9 @@
 //! test, "LDR")` with the pixels per degree of each case, of the same pictures by the same rules as arrays of
 //! f32 in [0, 1].
 
-use octray::film::Picture;
+use crate::common::*;
 use octray::measure::flip::{Flip, PIXELS_PER_DEGREE};
-use octray::tone::{self, Tone};
+use octray::tone::{self};
 
 /// A stored value of 0 to 255 at column, row and channel; clamped.
 type Rule = fn(i32, i32, usize) -> i32;

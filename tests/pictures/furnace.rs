@@ -5,33 +5,30 @@
 //! with the same random numbers, so pictures are compared in pairs of pixels: the difference has far less
 //! noise than either picture.
 
-use crate::common::{Rng, empty, material, noise, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::buffers::Features;
-use octray::film::Picture;
+use crate::common::statistics::mean_and_error;
+use crate::common::*;
 use octray::integrate::pipeline_for;
-use octray::lane::WIDTHS;
-use octray::reference::{PathSettings, Reference};
-use octray::render::Settings;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Sphere};
 
 /// Two balls over a floor, all of one material: paths go back and forth between them.
 fn room(kind: MaterialKind) -> Scene {
-    let floor = [Vec3::new(-30.0, -1.5, -30.0), Vec3::new(0.0, -1.5, 40.0), Vec3::new(30.0, -1.5, -30.0)];
     // A single sheet of glass leads into glass without end, so there is no floor of it.
-    let is_glass = matches!(kind, MaterialKind::Glass { .. });
+    let is_glass = matches!(kind, Glass { .. });
     Scene {
-        camera: Camera { position: Vec3::new(0.0, 0.5, 5.0), ..empty().camera },
+        camera: Camera { position: vec3(0.0, 0.5, 5.0), ..empty().camera },
         resolution: [48, 32],
         materials: vec![material(kind)],
-        spheres: vec![sphere(Vec3::new(-0.9, 0.0, 0.0), 1.0, 0), sphere(Vec3::new(1.1, -0.2, 0.4), 0.9, 0)],
-        triangles: if is_glass { vec![] } else { vec![triangle(floor, 0)] },
+        spheres: vec![sphere(vec3(-0.9, 0.0, 0.0), 1.0, 0), sphere(vec3(1.1, -0.2, 0.4), 0.9, 0)],
+        triangles: if is_glass { vec![] } else { vec![triangle(ground(30.0, -1.5), 0)] },
         ..empty()
     }
 }
 
+fn settings(scene: &Scene, max_bounces: u32, lanes: usize) -> Settings {
+    Settings { max_bounces, lanes, seed: 9, ..Settings::of(scene) }
+}
+
 fn render(scene: &Scene, max_bounces: u32, samples: u32, lanes: usize) -> Picture {
-    crate::common::render(scene, Settings { max_bounces, lanes, seed: 9, ..Settings::of(scene) }, samples)
+    crate::common::render(scene, settings(scene, max_bounces, lanes), samples)
 }
 
 fn channels(picture: &Picture) -> impl Iterator<Item = f32> {
@@ -46,7 +43,7 @@ const SAMPLES: u32 = 32;
 fn white_furnace_is_exactly_white_where_every_weight_is_one() {
     // Throughput is a product of ones, the sky is 1, and a sum of n ones divided by n is 1: no rounding
     // anywhere. A path that is lost (absorbed below the surface, caught in it, cut off) would show as 31/32.
-    for kind in [MaterialKind::Diffuse, MaterialKind::Metal { roughness: 0.0 }] {
+    for kind in [Diffuse, Metal { roughness: 0.0 }] {
         for lanes in WIDTHS {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, lanes);
             assert!(channels(&picture).all(|x| x == 1.0), "{kind:?}");
@@ -59,9 +56,8 @@ fn white_furnace_of_glass_is_white_within_rounding() {
     // Entering weighs η², leaving 1/η², each rounded twice: 6 ε a passage, and few paths pass more than a
     // dozen times.
     for ior in [1.5, 1.05, 2.4, 0.7] {
-        let picture = render(&room(MaterialKind::Glass { ior }), UNBOUNDED, SAMPLES, 8);
+        let picture = render(&room(Glass { ior }), UNBOUNDED, SAMPLES, 8);
         let worst = channels(&picture).fold(0.0_f32, |worst, x| worst.max((x - 1.0).abs()));
-        println!("ior {ior}: {worst:e}");
         assert!(worst <= 1e-5, "ior {ior}: {worst:e}");
     }
 }
@@ -69,40 +65,34 @@ fn white_furnace_of_glass_is_white_within_rounding() {
 #[test]
 fn absorbing_materials_never_exceed_white() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
-        for kind in [MaterialKind::Metal { roughness }, MaterialKind::Scatter { roughness: 2.0 * roughness }]
-        {
+        for kind in [Metal { roughness }, Scatter { roughness: 2.0 * roughness }] {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, 8);
-            let (mut sum, mut count) = (0.0, 0.0);
-            for x in channels(&picture) {
-                // Each weight is at most 1 up to its own rounding.
-                assert!((0.0..=1.0 + 1e-5).contains(&x), "{kind:?}: {x}");
-                sum += f64::from(x);
-                count += 1.0;
-            }
-            assert!((0.3..1.0).contains(&(sum / count)), "{kind:?} keeps {:.3} of the light", sum / count);
+            // Each weight is at most 1 up to its own rounding.
+            let most = channels(&picture).fold(0.0, f32::max);
+            assert!(channels(&picture).all(|x| (0.0..=1.0 + 1e-5).contains(&x)), "{kind:?}: {most}");
+            let kept = mean(&picture);
+            assert!((0.3..1.0).contains(&kept), "{kind:?} keeps {kept:.3} of the light");
         }
     }
 }
 
 #[test]
 fn emission_adds_to_what_is_scattered() {
-    let shining = |kind| Material { emission: Vec3::new(0.5, 0.25, 2.0), ..material(kind) };
-    let scene = |kind, sky| Scene {
-        materials: vec![shining(kind)],
-        spheres: vec![sphere(Vec3::ZERO, 3.0, 0)],
-        sky: Sky::Color(sky),
-        ..empty()
-    };
     // The ball is convex: a path shines once, goes to the sky, and adds 1. It fills the middle of the
     // picture.
-    let middle = |picture: Picture| picture.pixels[8 * 24 + 12];
-    assert_eq!(middle(render(&scene(MaterialKind::Diffuse, Vec3::ONE), 4, SAMPLES, 8)), [1.5, 1.25, 3.0]);
-    assert_eq!(middle(render(&scene(MaterialKind::Diffuse, Vec3::ONE), 0, SAMPLES, 8)), [0.5, 0.25, 2.0]);
-    assert_eq!(middle(render(&scene(MaterialKind::Emitter, Vec3::ONE), 4, SAMPLES, 8)), [0.5, 0.25, 2.0]);
-    assert_eq!(
-        middle(render(&scene(MaterialKind::Metal { roughness: 0.0 }, Vec3::ZERO), 4, SAMPLES, 8)),
-        [0.5, 0.25, 2.0]
-    );
+    let middle = |kind, sky, bounces| {
+        let scene = Scene {
+            materials: vec![Material { emission: vec3(0.5, 0.25, 2.0), ..material(kind) }],
+            spheres: vec![sphere(Vec3::ZERO, 3.0, 0)],
+            sky: Sky::Color(sky),
+            ..empty()
+        };
+        render(&scene, bounces, SAMPLES, 8).pixels[8 * 24 + 12]
+    };
+    assert_eq!(middle(Diffuse, Vec3::ONE, 4), [1.5, 1.25, 3.0]);
+    assert_eq!(middle(Diffuse, Vec3::ONE, 0), [0.5, 0.25, 2.0]);
+    assert_eq!(middle(Emitter, Vec3::ONE, 4), [0.5, 0.25, 2.0]);
+    assert_eq!(middle(Metal { roughness: 0.0 }, Vec3::ZERO, 4), [0.5, 0.25, 2.0]);
 }
 
 /// What a picture and the judge's differ by, over all pixels and channels.
@@ -120,26 +110,20 @@ struct Difference {
 fn difference(scene: &Scene, max_bounces: u32, samples: u32) -> Difference {
     let picture = render(scene, max_bounces, samples, 8);
     let judge = Reference::new(scene);
-    let settings =
-        PathSettings { resolution: scene.resolution, max_bounces, seed: 9, sampler: Default::default() };
+    let settings = path_settings(settings(scene, max_bounces, 8));
     let (mut differences, mut truths) = (Vec::new(), Vec::new());
-    for (index, pixel) in picture.pixels.iter().enumerate() {
-        let (x, y) = (index as u32 % picture.width, index as u32 / picture.width);
+    for (pixel, (x, y)) in picture.pixels.iter().zip(places(scene.resolution)) {
         let truth = judge.pixel(settings, x, y, samples);
         // One number a pixel: its channels are not independent.
         let luminance = |pixel: [f64; 3]| pixel.iter().sum::<f64>() / 3.0;
         differences.push(luminance(pixel.map(f64::from)) - luminance(truth));
         truths.push(luminance(truth));
     }
-    let n = differences.len() as f64;
-    let moments = |values: &[f64]| {
-        let mean = values.iter().sum::<f64>() / n;
-        (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt())
-    };
-    let (mean, standard_error) = moments(&differences);
+    let (mean, standard_error) = mean_and_error(&differences);
     let strayed =
         differences.iter().zip(&truths).filter(|(d, truth)| d.abs() > 0.01 * truth.max(0.01)).count();
-    Difference { mean, standard_error, noise: moments(&truths).1, strayed: strayed as f64 / n }
+    let strayed = strayed as f64 / differences.len() as f64;
+    Difference { mean, standard_error, noise: mean_and_error(&truths).1, strayed }
 }
 
 /// The means agree within five standard errors of the paired difference, and 1e-6 for the rounding of paths
@@ -149,7 +133,6 @@ fn difference(scene: &Scene, max_bounces: u32, samples: u32) -> Difference {
 #[track_caller]
 fn assert_agrees(name: &str, scene: &Scene, max_bounces: u32, strayed: f64) {
     let found = difference(scene, max_bounces, SAMPLES);
-    println!("{name}: {found:?}");
     assert!(found.mean.abs() <= 5.0 * found.standard_error + 1e-6, "{name}: {found:?}");
     assert!(found.strayed <= strayed, "{name}: {found:?}");
     assert!(found.standard_error <= 0.2 * found.noise + 1e-7, "{name}: {found:?}");
@@ -157,22 +140,13 @@ fn assert_agrees(name: &str, scene: &Scene, max_bounces: u32, strayed: f64) {
 
 #[test]
 fn packets_and_judge_agree_on_the_energy_of_every_material() {
-    for kind in [
-        MaterialKind::Diffuse,
-        MaterialKind::Metal { roughness: 0.0 },
-        MaterialKind::Metal { roughness: 0.2 },
-        MaterialKind::Metal { roughness: 0.7 },
-        MaterialKind::Metal { roughness: 1.0 },
-        MaterialKind::Glass { ior: 1.5 },
-        MaterialKind::Glass { ior: 0.8 },
-        MaterialKind::MetalRough { roughness: 0.3, metallic: 0.2, ior: 1.5 },
-        MaterialKind::Scatter { roughness: 0.4 },
-        MaterialKind::Scatter { roughness: 2.5 },
-    ] {
+    let more = [0.2, 1.0].map(|roughness| Metal { roughness });
+    let lobes = [0.4, 2.5].map(|roughness| Scatter { roughness });
+    for kind in KINDS.into_iter().chain(more).chain(lobes) {
         let mut scene = room(kind);
-        scene.materials[0].color = Vec3::new(0.9, 0.7, 0.5);
-        scene.materials[0].emission = Vec3::new(0.0, 0.1, 0.0);
-        scene.sky = Sky::Gradient { bottom: Vec3::new(0.2, 0.3, 0.1), top: Vec3::new(2.0, 1.0, 3.0) };
+        scene.materials[0].color = vec3(0.9, 0.7, 0.5);
+        scene.materials[0].emission = vec3(0.0, 0.1, 0.0);
+        scene.sky = Sky::Gradient { bottom: vec3(0.2, 0.3, 0.1), top: vec3(2.0, 1.0, 3.0) };
         assert_agrees(&format!("{kind:?}"), &scene, 6, 0.02);
     }
 }
@@ -180,7 +154,7 @@ fn packets_and_judge_agree_on_the_energy_of_every_material() {
 #[test]
 fn packets_and_judge_agree_on_the_furnace_of_ggx() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
-        assert_agrees(&format!("GGX {roughness}"), &room(MaterialKind::Metal { roughness }), 50, 0.02);
+        assert_agrees(&format!("GGX {roughness}"), &room(Metal { roughness }), 50, 0.02);
     }
 }
 
@@ -191,27 +165,24 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
         let mut rng = Rng(61);
         let textures = vec![noise(&mut rng, 7, 5, filter), noise(&mut rng, 4, 6, filter)];
         let shown = |kind, texture| Material { texture: Some(texture), ..material(kind) };
-        let lamp = Material { emission: Vec3::new(1.0, 2.0, 0.5), ..shown(MaterialKind::Emitter, 1) };
-        let wall = [Vec3::new(-6.0, -5.0, -2.0), Vec3::new(6.0, -4.0, -1.0), Vec3::new(1.0, 6.0, -3.0)];
+        let lamp = Material { emission: vec3(1.0, 2.0, 0.5), ..shown(Emitter, 1) };
+        let wall = [vec3(-6.0, -5.0, -2.0), vec3(6.0, -4.0, -1.0), vec3(1.0, 6.0, -3.0)];
         let ball = |x: f32, turn: f32, material: u32| Sphere {
             texture_turn: turn,
-            ..sphere(Vec3::new(x, 0.2 * x, 0.0), 0.6, material)
+            ..sphere(vec3(x, 0.2 * x, 0.0), 0.6, material)
         };
         let scene = Scene {
             materials: vec![
-                shown(MaterialKind::Diffuse, 0),
+                shown(Diffuse, 0),
                 lamp,
                 // A path without red still carries light.
-                Material {
-                    color: Vec3::new(0.0, 0.8, 0.6),
-                    ..shown(MaterialKind::Metal { roughness: 0.0 }, 1)
-                },
+                Material { color: vec3(0.0, 0.8, 0.6), ..shown(Metal { roughness: 0.0 }, 1) },
             ],
             textures,
             spheres: vec![ball(-1.3, 0.15, 0), ball(0.0, 0.4, 1), ball(1.3, 0.7, 2)],
             triangles: vec![triangle(wall, 0)],
-            uvs: vec![[Vec2::new(0.1, 0.2), Vec2::new(2.3, 0.4), Vec2::new(0.7, 1.9)]],
-            sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 0.5, 2.0), turn: 0.7 },
+            uvs: vec![[vec2(0.1, 0.2), vec2(2.3, 0.4), vec2(0.7, 1.9)]],
+            sky: Sky::Texture { texture: 0, color: vec3(1.0, 0.5, 2.0), turn: 0.7 },
             ..empty()
         };
         assert_agrees(&format!("{filter:?}"), &scene, 4, 0.02);
@@ -229,18 +200,18 @@ fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
         for i in 0..count {
             // Each shade is its own, and each triangle fills more of the picture than may stray.
             let color = Vec3::splat(0.1 + 0.07 * i as f32);
-            scene.materials.push(Material { color, ..material(MaterialKind::Diffuse) });
-            let center = Vec3::new((i % 4) as f32 - 1.5, (i / 4) as f32 - 1.0, 0.0);
+            scene.materials.push(Material { color, ..material(Diffuse) });
+            let center = vec3((i % 4) as f32 - 1.5, (i / 4) as f32 - 1.0, 0.0);
             scene.spheres.push(sphere(center - Vec3::Z, 0.4, i));
             let vertices = [0.0, 1.0, 2.0].map(|third: f32| {
                 let (sin, cos) = (third * std::f32::consts::TAU / 3.0).sin_cos();
-                center + 0.5 * Vec3::new(sin, cos, 0.3 * rng.signed() as f32)
+                center + 0.5 * vec3(sin, cos, 0.3 * rng.signed() as f32)
             });
             scene.triangles.push(triangle(vertices, i));
         }
         let triangles = Scene { spheres: Vec::new(), ..scene.clone() };
         let spheres = Scene { triangles: Vec::new(), ..scene.clone() };
-        let gradient = Sky::Gradient { bottom: Vec3::new(0.2, 0.3, 0.1), top: Vec3::new(2.0, 1.0, 3.0) };
+        let gradient = Sky::Gradient { bottom: vec3(0.2, 0.3, 0.1), top: vec3(2.0, 1.0, 3.0) };
         for (name, scene, most) in [("both", scene, 4), ("triangles", triangles, 4), ("spheres", spheres, 8)]
         {
             for sky in [Sky::Color(Vec3::ONE), gradient] {

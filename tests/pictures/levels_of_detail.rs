@@ -1,13 +1,7 @@
 //! Laws: levels of detail show what the reference sees, path by path; they make far textures less noisy, and
 //! change nothing near by.
 
-use crate::common::{Rng, empty, material, mean, noise, render, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::buffers::LightChoice;
-use octray::film::Picture;
-use octray::render::Settings;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
-use octray::traverse::Methods;
+use crate::common::*;
 
 /// Black and white fields.
 fn board(filter: Filter) -> Texture {
@@ -18,23 +12,14 @@ fn board(filter: Filter) -> Texture {
 
 /// A plane of fields of one unit up to the horizon, seen from `height`, that emits what its texture shows.
 fn plain(filter: Filter, height: f32) -> Scene {
-    let corners = [Vec3::new(-1e3, 0.0, 1e3), Vec3::new(1e3, 0.0, 1e3), Vec3::new(0.0, 0.0, -1e3)];
+    let corners = [vec3(-1e3, 0.0, 1e3), vec3(1e3, 0.0, 1e3), vec3(0.0, 0.0, -1e3)];
     Scene {
-        camera: Camera {
-            position: Vec3::Y * height,
-            look_at: Vec3::new(0.0, 0.0, -4.0 * height),
-            up: Vec3::Y,
-            vertical_fov: 40.0,
-        },
+        camera: camera(Vec3::Y * height, vec3(0.0, 0.0, -4.0 * height), 40.0),
         sky: Sky::Color(Vec3::ZERO),
-        materials: vec![Material {
-            texture: Some(0),
-            emission: Vec3::ONE,
-            ..material(MaterialKind::Emitter)
-        }],
+        materials: vec![Material { texture: Some(0), emission: Vec3::ONE, ..material(Emitter) }],
         textures: vec![board(filter)],
         triangles: vec![triangle(corners, 0)],
-        uvs: vec![corners.map(|corner| Vec2::new(corner.x, -corner.z) / 8.0)],
+        uvs: vec![corners.map(|corner| vec2(corner.x, -corner.z) / 8.0)],
         ..empty()
     }
 }
@@ -58,7 +43,6 @@ fn far_checkerboard_has_less_error_in_one_sample_than_bilinear() {
     let error = |scene: &Scene, samples| rmse(&render(scene, settings(scene, 1), samples), &truth);
     for (samples, most) in [(1, 0.75), (4, 0.6)] {
         let errors = [error(&bilinear, samples), error(&trilinear, samples)];
-        println!("{samples} samples: {errors:?}, {:.2}", errors[1] / errors[0]);
         assert!(errors[1] < most * errors[0], "{samples} samples: {errors:?}");
     }
     // Light is neither lost nor added.
@@ -80,55 +64,22 @@ fn texels_wider_than_pixels_are_bilinear_in_every_bit() {
 /// In mirrors, in glass and behind rough surfaces; on spheres, triangles and the sky.
 #[test]
 fn picture_is_the_references_with_levels_of_detail() {
-    let kinds = [
-        MaterialKind::Diffuse,
-        MaterialKind::Metal { roughness: 0.0 },
-        MaterialKind::Metal { roughness: 0.5 },
-        MaterialKind::Glass { ior: 1.5 },
-        MaterialKind::Scatter { roughness: 0.8 },
-        MaterialKind::Plastic { roughness: 0.0, ior: 1.5 },
-        MaterialKind::Plastic { roughness: 0.5, ior: 1.5 },
-        MaterialKind::MetalRough { roughness: 0.4, metallic: 0.5, ior: 1.5 },
-    ];
-    for kind in kinds {
+    for kind in KINDS {
         let mut rng = Rng(17);
         let bytes = (0..60 * 45).map(|_| [(rng.bits() >> 24) as u8, 90, 210, 0]).collect();
         let grain =
             Texture { width: 60, height: 45, texels: Texels::Unorm8(bytes), ..board(Filter::Trilinear) };
         let mut scene = plain(Filter::Trilinear, 2.0);
         scene.materials = vec![
-            Material { texture: Some(0), ..material(MaterialKind::Diffuse) },
+            Material { texture: Some(0), ..material(Diffuse) },
             Material { texture: Some(1), roughness_map: Some(3), ..material(kind) },
         ];
-        scene.textures.push(noise(&mut rng, 61, 33, Filter::Trilinear));
-        scene.textures.push(noise(&mut rng, 64, 32, Filter::Trilinear));
-        scene.textures.push(grain);
-        scene.spheres =
-            vec![sphere(Vec3::new(-1.2, 1.0, -6.0), 1.0, 1), sphere(Vec3::new(1.2, 1.0, -7.0), 1.0, 1)];
+        let of_noise =
+            [[61, 33], [64, 32]].map(|[width, height]| noise(&mut rng, width, height, Filter::Trilinear));
+        scene.textures.extend(of_noise.into_iter().chain([grain]));
+        scene.spheres = vec![sphere(vec3(-1.2, 1.0, -6.0), 1.0, 1), sphere(vec3(1.2, 1.0, -7.0), 1.0, 1)];
         scene.sky = Sky::Texture { texture: 2, color: Vec3::ONE, turn: 0.2 };
         scene.max_bounces = 4;
         crate::judged::assert_is_the_judges(&format!("levels, {kind:?}"), &scene);
     }
-}
-
-/// A small sun is as bright where light sampling finds it as where scattering does: both see the same level.
-#[test]
-fn sky_gives_the_same_light_sampled_or_met_by_chance() {
-    let mut texels = vec![[0.1, 0.2, 0.3, 0.0]; 64 * 32];
-    texels[6 * 64 + 20] = [900.0, 700.0, 500.0, 0.0];
-    let sun = Texture { width: 64, texels: Texels::Float32(texels), ..board(Filter::Trilinear) };
-    let scene = Scene {
-        sky: Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 },
-        materials: vec![material(MaterialKind::Diffuse), material(MaterialKind::Metal { roughness: 0.6 })],
-        textures: vec![sun],
-        spheres: vec![sphere(Vec3::X, 1.0, 0), sphere(-Vec3::X, 1.0, 1)],
-        ..empty()
-    };
-    let light = |lights| {
-        let methods = Methods { lights, ..Methods::default() };
-        let settings = Settings { resolution: [24, 16], methods, ..Settings::of(&scene) };
-        mean(&render(&scene, settings, 512))
-    };
-    let [sampled, met] = [LightChoice::On, LightChoice::Off].map(light);
-    assert!((sampled / met - 1.0).abs() < 0.03, "{sampled} sampled, {met} by chance");
 }

@@ -42,38 +42,33 @@ fn others_fail(outcome: &Outcome) -> bool {
     })
 }
 
-fn at(name: &str, method: &str, x: f64) -> Point {
-    let recipe = recipe(name).expect("the recipe is there");
-    let point = recipe.at(recipe.method(method).expect("the method is there"), x, Effort(0.5));
-    println!(
-        "{name}, {method} at {x:e}: {:.4} %, p99 {:.2e}",
-        100.0 * point.rate(),
-        point.p99.unwrap_or(0.0)
-    );
+/// One method at one place of a recipe's axis.
+pub fn at(name: &str, method: &str, x: f64, effort: Effort) -> Point {
+    let recipe = recipe(name).unwrap_or_else(|| panic!("a recipe {name}"));
+    let of = recipe.method(method).unwrap_or_else(|| panic!("a method {method} of {name}"));
+    let point = recipe.at(of, x, effort);
+    println!("{name}, {method} at {x:e}: {:.4} %, p99 {:?}", 100.0 * point.rate(), point.p99);
     point
 }
 
 /// Fails for so many per cent at least, and is off by so much.
 #[track_caller]
 fn at_least(name: &str, method: &str, x: f64, percent: f64, p99: f64) {
-    let point = at(name, method, x);
+    let point = at(name, method, x, Effort(0.5));
     let expected = percent / 100.0 * point.tested as f64;
-    assert!(
-        point.failures as f64 >= expected - 5.0 * expected.sqrt() && point.p99.unwrap_or(0.0) >= p99,
-        "{name}, {method} at {x:e}: {point:?}; expected {percent} % and {p99:e}"
-    );
+    let told = format!("{name}, {method} at {x:e}: {point:?}; expected {percent} % and {p99:e}");
+    assert!(point.failures as f64 >= expected - 5.0 * expected.sqrt(), "{told}");
+    assert!(point.p99.unwrap_or(0.0) >= p99, "{told}");
     assert!(percent == 0.0 || point.failures > 0, "{name}, {method} at {x:e}: too few cases to tell");
 }
 
 /// Fails for so many per cent at most, and is off by no more.
 #[track_caller]
 fn at_most(name: &str, method: &str, x: f64, percent: f64, p99: f64) {
-    let point = at(name, method, x);
-    let bound = Bound { failures: percent / 100.0, p99: Some(p99) };
-    assert!(
-        Point { bound: Some(bound), ..point.clone() }.holds(),
-        "{name}, {method} at {x:e}: {point:?}; expected {percent} % and {p99:e} at most"
-    );
+    let point = at(name, method, x, Effort(0.5));
+    let told = format!("{name}, {method} at {x:e}: {point:?}; expected {percent} % and {p99:e} at most");
+    let bound = Some(Bound { failures: percent / 100.0, p99: Some(p99) });
+    assert!(Point { bound, ..point }.holds(), "{told}");
 }
 
 const FMA: bool = cfg!(target_feature = "fma");
@@ -166,7 +161,7 @@ fn closed_meshes_leak_at_edges_and_vertices_but_not_with_woop() {
 #[test]
 fn an_epsilon_on_the_determinant_makes_small_meshes_vanish() {
     for name in ["mesh-edges", "mesh-vertices", "mesh-random"] {
-        let point = at(name, "moller-trumbore-epsilon", 1e-3);
+        let point = at(name, "moller-trumbore-epsilon", 1e-3, Effort(0.5));
         assert_eq!(point.failures, point.tested, "{name}");
         at_most(name, "woop", 1e-3, 0.0, ANY);
     }

@@ -4,15 +4,12 @@
 //! Each test throws a part of what `octray stability` throws; seeds are fixed. Shares that are a matter of
 //! chance are held to a quarter of what was measured, so that another target's roundings do not decide.
 
-use octray::measure::stability::{Effort, Point, recipe};
+use crate::stability;
+use octray::measure::stability::{Effort, Point};
 
 /// One method at one place of a recipe's axis, with a tenth of the cases.
 fn at(name: &str, method: &str, x: f64) -> Point {
-    let recipe = recipe(name).unwrap_or_else(|| panic!("a recipe {name}"));
-    let method = recipe.method(method).unwrap_or_else(|| panic!("a method {method} of {name}"));
-    let point = recipe.at(method, x, Effort(0.1));
-    println!("{name} {} at {x:e}: {:.4} fail, p99 {:?}", method.name, point.rate(), point.p99);
-    point
+    stability::at(name, method, x, Effort(0.1))
 }
 
 /// The naive method fails in at least this share of cases, the default one never.

@@ -1,32 +1,19 @@
 //! What `--stats` counts is what happens: counts by hand, sums that agree, and nothing else changed by
 //! counting.
 
-use crate::common::{empty, material, sphere, triangle};
-use glam::Vec3;
+use crate::common::*;
 use octray::bvh::check::check_scene;
-use octray::bvh::{Bvh, LEAF, Trees, slots};
-use octray::film::Picture;
+use octray::bvh::{Bvh, LEAF, slots};
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
-use octray::lane::WIDTHS;
-use octray::math::MISS;
 use octray::measure::stats::FrameStats;
-use octray::render::{Renderer, Settings};
-use octray::scene::{MaterialKind, Scene, load};
+use octray::traverse::Tracer;
 use octray::traverse::counter::{Counter, Counts, Tests};
-use octray::traverse::hierarchy::Hierarchy;
 use octray::traverse::rays::{Hits, Rays};
-use octray::traverse::{Methods, TraversalChoice};
-use octray::traverse::{Tracer, Traversal};
 
 /// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
 fn two_triangles() -> Scene {
-    let around =
-        |x: f32| [Vec3::new(x - 1.0, -1.0, 0.0), Vec3::new(x + 1.0, -1.0, 0.0), Vec3::new(x, 1.0, 0.0)];
-    Scene {
-        materials: vec![material(MaterialKind::Diffuse)],
-        triangles: [-3.0, 3.0].map(|x| triangle(around(x), 0)).to_vec(),
-        ..empty()
-    }
+    let around = |x: f32| [vec3(x - 1.0, -1.0, 0.0), vec3(x + 1.0, -1.0, 0.0), vec3(x, 1.0, 0.0)];
+    Scene { triangles: [-3.0, 3.0].map(|x| triangle(around(x), 0)).to_vec(), ..diffuse() }
 }
 
 /// What is counted for rays that start at (x, 0, 5) and run almost along −z, and how many of them hit
@@ -60,15 +47,14 @@ fn tests(tests: u64, steps: u64) -> Tests {
 fn counted_in_tile(squares: usize, traversal: Traversal) -> Tests {
     let corner = |x: usize, y: usize| {
         let [x, y] = [x, y].map(|step| 2.0 * step as f32 / squares as f32 - 1.0);
-        Vec3::new(x, y, 0.0)
+        vec3(x, y, 0.0)
     };
     let square = |x: usize, y: usize| {
         let [a, b, c, d] = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
         [triangle([a, b, c], 0), triangle([a, c, d], 0)]
     };
     let squares = (0..squares).flat_map(|y| (0..squares).flat_map(move |x| square(x, y)));
-    let scene =
-        Scene { materials: vec![material(MaterialKind::Diffuse)], triangles: squares.collect(), ..empty() };
+    let scene = Scene { triangles: squares.collect(), ..diffuse() };
     let hierarchy = Hierarchy::new(&scene, Trees::Wide);
     // Blocks of 4×4 rays, as in tiles of primary rays.
     let (mut x, mut y) = (Vec::new(), Vec::new());
@@ -122,10 +108,10 @@ fn tests_of_two_triangles_are_those_counted_by_hand() {
 
 /// Small triangles where the rays of [`counted`] go at z = 0 and below.
 fn small_ones(across: usize, layers: usize) -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     for (i, layer) in (0..across).flat_map(|i| (0..layers).map(move |layer| (i, layer))) {
         let (x, z) = (1.3 * i as f32 / across as f32, -0.01 * layer as f32);
-        let corner = |x: f32, y: f32| Vec3::new(x, y, z);
+        let corner = |x: f32, y: f32| vec3(x, y, z);
         let size = 0.5 / across as f32;
         scene.triangles.push(triangle([corner(x, -size), corner(x + size, -size), corner(x, size)], 0));
     }
@@ -151,7 +137,7 @@ fn packets_leave_out_what_is_behind_a_wall() {
     let mut scene = small_ones(40, 10);
     let triangles = |scene: &Scene| counted::<false>(scene, Traversal::Packet, &starts).0.triangles.tests;
     let open = triangles(&scene);
-    let wall = [Vec3::new(-9.0, -9.0, 4.0), Vec3::new(9.0, -9.0, 4.0), Vec3::new(0.0, 9.0, 4.0)];
+    let wall = [vec3(-9.0, -9.0, 4.0), vec3(9.0, -9.0, 4.0), vec3(0.0, 9.0, 4.0)];
     scene.triangles.push(triangle(wall, 0));
     let behind = triangles(&scene);
     assert!(0 < behind && behind * 4 < open, "{behind} tests of triangles behind a wall, {open} without");
@@ -160,8 +146,8 @@ fn packets_leave_out_what_is_behind_a_wall() {
 #[test]
 fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
     // Three spheres so near each other that nothing divides them.
-    let spheres: Vec<_> = [0.0, 0.01, 0.02].map(|x| sphere(Vec3::new(x, 0.0, 0.0), 1.0, 0)).into();
-    let scene = Scene { materials: vec![material(MaterialKind::Diffuse)], spheres, ..empty() };
+    let spheres: Vec<_> = [0.0, 0.01, 0.02].map(|x| sphere(vec3(x, 0.0, 0.0), 1.0, 0)).into();
+    let scene = Scene { spheres, ..diffuse() };
     let boxes = |traversal, starts: &[f32]| counted::<false>(&scene, traversal, starts).0;
     let none = tests(0, 0);
     for traversal in [Traversal::Single, Traversal::Stream] {
@@ -177,7 +163,7 @@ fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
 /// Big triangles across the way of the rays of [`counted`], or big spheres around their start. Every ray hits
 /// all of them and starts in all their boxes: nothing but an end at the first hit spares a test.
 fn all_in_the_way(count: usize, triangles: bool) -> Scene {
-    let mut scene = Scene { materials: vec![material(MaterialKind::Diffuse)], ..empty() };
+    let mut scene = diffuse();
     for i in 0..count {
         let share = i as f32 / count as f32;
         if triangles {
@@ -185,11 +171,11 @@ fn all_in_the_way(count: usize, triangles: bool) -> Scene {
             let (z, turn) = (4.9 - 0.8 * share, 2.4 * i as f32);
             let corner = |third: f32| {
                 let angle = turn + third * std::f32::consts::TAU / 3.0;
-                Vec3::new(10.0 * angle.cos(), 10.0 * angle.sin(), z + 3.0 * (angle - 2.0 * turn).cos())
+                vec3(10.0 * angle.cos(), 10.0 * angle.sin(), z + 3.0 * (angle - 2.0 * turn).cos())
             };
             scene.triangles.push(triangle([0.0, 1.0, 2.0].map(corner), 0));
         } else {
-            let center = Vec3::new(0.3 * (7.0 * share).sin(), 0.3 * (9.0 * share).cos(), 5.0);
+            let center = vec3(0.3 * (7.0 * share).sin(), 0.3 * (9.0 * share).cos(), 5.0);
             scene.spheres.push(sphere(center, 1.0 + share, 0));
         }
     }
@@ -325,10 +311,7 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
             // Each of 12 tiles, in each of 3 samples, leaves at most one packet unfilled.
             let unfilled = 12 * 3 * (lanes as u64 - 1);
             for Segment { rays, packets } in &stats.segments {
-                assert!(
-                    *rays <= packets * lanes as u64 && packets * lanes as u64 <= rays + unfilled,
-                    "{name}"
-                );
+                assert!((*rays..=rays + unfilled).contains(&(packets * lanes as u64)), "{name}");
             }
             let report = FrameStats::of(&stats, lanes, 2, 3);
             assert_eq!((report.rays, report.kinds[0].rays), (rays, stats.rays(RayKind::Primary)));
@@ -358,10 +341,8 @@ fn testing_everything_tests_every_primitive() {
         let stats = rendered(&scene, settings(&scene, TraversalChoice::Linear, lanes, 1), true).2;
         let packets: u64 = stats.segments[1..].iter().map(|segment| segment.packets).sum();
         let of = |each: u64| tests(stats.rays(RayKind::Bounce) * each, packets * each);
-        assert_eq!(
-            stats.counts[1],
-            Counts { boxes: tests(0, 0), triangles: of(triangles), spheres: of(spheres) }
-        );
+        let expected = Counts { boxes: tests(0, 0), triangles: of(triangles), spheres: of(spheres) };
+        assert_eq!(stats.counts[1], expected);
         // Primary rays meet only what their tile can see.
         let primary = [stats.counts[0].spheres, stats.counts[0].triangles].map(|tests| tests.tests);
         let rays = stats.rays(RayKind::Primary);

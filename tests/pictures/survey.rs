@@ -1,14 +1,9 @@
 //! What the survey tells of pixels: guides against primary rays and the scene itself, costs against the
 //! tallies of whole frames, shapes of paths against the counts of rays.
 
+use crate::common::*;
 use octray::integrate::aovs::Aovs;
-use octray::lane::WIDTHS;
-use octray::math::MISS;
 use octray::render::aovs::Map;
-use octray::render::{Renderer, Settings};
-use octray::scene::{MaterialKind, Scene, load};
-use octray::traverse::Traversal;
-use octray::traverse::{Methods, TraversalChoice};
 
 const SIZE: [u32; 2] = [61, 35];
 
@@ -50,12 +45,8 @@ fn guides_are_what_primary_rays_see() {
                     continue;
                 }
             }
-            assert!(
-                guide.albedo.iter().all(|share| (0.0..=1.0).contains(share)),
-                "{}: {guide:?}",
-                scene.name
-            );
-            assert!((0.0..=1.0).contains(&guide.lobe));
+            let mut shares = guide.albedo.iter().chain([&guide.lobe]);
+            assert!(shares.all(|share| (0.0..=1.0).contains(share)), "{}: {guide:?}", scene.name);
             agree += 1;
         }
         assert!(agree * 100 > all * 88, "{}: {agree} of {all}", scene.name);
@@ -65,24 +56,15 @@ fn guides_are_what_primary_rays_see() {
 #[test]
 fn guides_do_not_depend_on_threads_tiles_or_the_way_rays_go() {
     for scene in scenes() {
-        let way = |traversal| Methods { traversal, ..Methods::default() };
-        let linear = guides_of(&Renderer::new(
-            &scene,
-            Settings { methods: way(TraversalChoice::Linear), ..settings(&scene) },
-        ));
+        let way =
+            |traversal| Settings { methods: Methods { traversal, ..Methods::default() }, ..settings(&scene) };
+        let linear = guides_of(&Renderer::new(&scene, way(TraversalChoice::Linear)));
         for traversal in Traversal::ALL {
-            let settings = Settings {
-                methods: way(TraversalChoice::Through(traversal)),
-                threads: 3,
-                lanes: traversal.lanes(),
-                tile_size: [8, 5],
-                ..settings(&scene)
-            };
+            let plain = way(TraversalChoice::Through(traversal));
+            let settings = Settings { threads: 3, lanes: traversal.lanes(), tile_size: [8, 5], ..plain };
             let other = guides_of(&Renderer::new(&scene, settings));
-            for y in 0..SIZE[1] {
-                for x in 0..SIZE[0] {
-                    assert_eq!(linear.pixel(x, y), other.pixel(x, y), "{} {traversal:?} {x} {y}", scene.name);
-                }
+            for (x, y) in places(SIZE) {
+                assert_eq!(linear.pixel(x, y), other.pixel(x, y), "{} {traversal:?} {x} {y}", scene.name);
             }
         }
     }
@@ -94,32 +76,28 @@ fn materials_show_in_guides() {
     let renderer = Renderer::new(&scene, settings(&scene));
     let guides = guides_of(&renderer);
     let mut seen = std::collections::BTreeMap::new();
-    for y in 0..SIZE[1] {
-        for x in 0..SIZE[0] {
-            let guide = guides.pixel(x, y);
-            seen.entry(guide.object).or_insert(guide);
-        }
+    for guide in places(SIZE).map(|(x, y)| guides.pixel(x, y)) {
+        seen.entry(guide.object).or_insert(guide);
     }
     for (&object, guide) in seen.iter().filter(|&(&object, _)| object != MISS) {
         let material = &scene.materials[scene.spheres[object as usize].material as usize];
         assert_eq!(guide.albedo, material.color.to_array(), "{}", material.name);
-        let mirror = material.kind == MaterialKind::Metal { roughness: 0.0 };
+        let mirror = material.kind == Metal { roughness: 0.0 };
         assert_eq!(guide.lobe == 0.0, mirror, "{}", material.name);
         assert_eq!(guide.weights, [0.0; 2]);
     }
     assert_eq!(seen.len(), 4, "three spheres and the sky");
     for (kind, lobe) in [
-        (MaterialKind::Diffuse, 1.0),
-        (MaterialKind::Metal { roughness: 0.5 }, 0.25),
-        (MaterialKind::Metal { roughness: 0.0 }, 0.0),
-        (MaterialKind::Glass { ior: 1.5 }, 0.0),
-        (MaterialKind::Scatter { roughness: 3.0 }, 1.0),
+        (Diffuse, 1.0),
+        (Metal { roughness: 0.5 }, 0.25),
+        (Metal { roughness: 0.0 }, 0.0),
+        (Glass { ior: 1.5 }, 0.0),
+        (Scatter { roughness: 3.0 }, 1.0),
     ] {
         let mut scene = load("builtin:three").unwrap();
         scene.materials.iter_mut().for_each(|material| material.kind = kind);
         let guides = guides_of(&Renderer::new(&scene, settings(&scene)));
-        let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
-        for guide in pixels.map(|(x, y)| guides.pixel(x, y)).filter(|guide| guide.object != MISS) {
+        for guide in places(SIZE).map(|(x, y)| guides.pixel(x, y)).filter(|guide| guide.object != MISS) {
             assert_eq!(guide.lobe, lobe, "{kind:?}");
         }
     }
@@ -133,17 +111,15 @@ fn a_camera_set_later_gives_the_bits_of_a_new_renderer() {
         other.camera.position += glam::Vec3::new(0.3, 0.2, -0.1);
         other.camera.vertical_fov *= 0.8;
         let mut moved = Renderer::new(&scene, Settings { threads: 2, ..Settings::of(&scene) });
-        let mut film = moved.film();
-        moved.add_samples(&mut film, 2);
+        moved.add_samples(&mut moved.film(), 2);
         moved.set_view(&scene, &other.camera, SIZE, 3);
-        film = moved.film();
+        let mut film = moved.film();
         moved.add_samples(&mut film, 1);
         film.clear();
         assert_eq!((film.samples(), film.rays(), film.pixel_samples()), (0, 0, 0));
         moved.add_samples(&mut film, 2);
-        let new = Renderer::new(&other, Settings { max_bounces: 3, ..settings(&other) });
-        let mut expected = new.film();
-        new.add_samples(&mut expected, 2);
+        let of_new = Settings { max_bounces: 3, ..settings(&other) };
+        let (new, expected) = (Renderer::new(&other, of_new), self::film(&other, of_new, 2));
         assert_eq!(film.picture(), expected.picture(), "{}", scene.name);
         assert_eq!(film.rays(), expected.rays());
         let (mut guides, expected) = (guides_of(&moved), guides_of(&new));
@@ -164,8 +140,8 @@ fn costs_are_what_rays_are_tested_against() {
         renderer.costs_into(&mut costs);
         assert_eq!(costs.pixels.len(), (SIZE[0] * SIZE[1]) as usize);
         let guides = guides_of(&renderer);
-        for (at, cost) in costs.pixels.iter().enumerate() {
-            let hit = guides.pixel(at as u32 % SIZE[0], at as u32 / SIZE[0]).object != MISS;
+        for (cost, (x, y)) in costs.pixels.iter().zip(places(SIZE)) {
+            let hit = guides.pixel(x, y).object != MISS;
             assert!(!hit || cost.primitives >= 1, "what was hit was tested");
             assert_eq!(cost.boxes > 0, boxes);
         }
@@ -186,7 +162,7 @@ fn pixels_of_one_tile_cost_the_same_where_there_is_no_hierarchy() {
     renderer.costs_into(&mut costs);
     let at = |x: u32, y: u32| costs.pixels[(y * SIZE[0] + x) as usize];
     let [across, down] = Settings::TILE_SIZE;
-    for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+    for (x, y) in places(SIZE) {
         assert_eq!(at(x, y), at(x - x % across, y - y % down), "{x} {y}");
     }
     assert!(costs.pixels.iter().any(|cost| *cost != at(0, 0)), "tiles differ");
@@ -211,13 +187,12 @@ fn shapes_of_paths_add_up_to_the_rays_of_the_sample() {
     for lanes in WIDTHS {
         for name in ["builtin:three", "builtin:spheres", "builtin:knot:3000"] {
             let scene = load(name).unwrap();
-            let methods = Methods { lights: octray::buffers::LightChoice::Off, ..Methods::default() };
+            let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
             let settings = Settings { methods, lanes, threads: 2, ..settings(&scene) };
             let renderer = Renderer::new(&scene, settings);
             let mut shapes = Map::default();
             renderer.path_shapes_into(0, &mut shapes);
-            let mut film = renderer.film();
-            renderer.add_samples(&mut film, 1);
+            let film = film(&scene, settings, 1);
             let rays: u64 = shapes.pixels.iter().map(|shape| u64::from(shape.segments)).sum();
             assert_eq!(rays, film.rays(), "{name}, {lanes} lanes");
             for shape in &shapes.pixels {

@@ -4,14 +4,7 @@
 //!
 //! And whole repeats of a picture on triangles are nothing.
 
-use crate::common::{empty, material, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::lane::WIDTHS;
-use octray::reference::{PathSettings, Reference};
-use octray::render::{Renderer, Settings};
-use octray::scene::{
-    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, load,
-};
+use crate::common::*;
 
 const COLUMNS: u32 = 64;
 
@@ -25,11 +18,7 @@ fn columns() -> Texture {
 fn ball(texture_side: Side) -> Scene {
     Scene {
         sky: Sky::Color(Vec3::ZERO),
-        materials: vec![Material {
-            texture: Some(0),
-            emission: Vec3::ONE,
-            ..material(MaterialKind::Emitter)
-        }],
+        materials: vec![Material { texture: Some(0), emission: Vec3::ONE, ..material(Emitter) }],
         textures: vec![columns()],
         spheres: vec![Sphere { texture_side, texture_turn: 0.1, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
@@ -49,19 +38,12 @@ fn sky() -> Scene {
 fn row(scene: &Scene) -> Vec<f32> {
     let settings = Settings { resolution: [31, 1], max_bounces: 0, ..Settings::of(scene) };
     let [scalar, packets @ ..] = WIDTHS.map(|lanes| {
-        let renderer = Renderer::new(scene, Settings { lanes, ..settings });
-        let mut film = renderer.film();
-        renderer.add_samples(&mut film, 1);
-        film.picture().pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>()
+        let pixels = render(scene, Settings { lanes, ..settings }, 1).pixels;
+        pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>()
     });
     assert!(packets.iter().all(|row| *row == scalar));
     let judge = Reference::new(scene);
-    let path = PathSettings {
-        resolution: [31, 1],
-        max_bounces: 0,
-        seed: settings.seed,
-        sampler: Default::default(),
-    };
+    let path = path_settings(settings);
     let judged: Vec<f32> = (0..31).map(|x| judge.pixel(path, x, 0, 1)[0] as f32).collect();
     // A point near the edge of a column may round into its neighbour.
     let apart = scalar.iter().zip(&judged).map(|(a, b)| (a - b).rem_euclid(COLUMNS as f32));
@@ -74,9 +56,9 @@ fn row(scene: &Scene) -> Vec<f32> {
 /// Does the text run to the right, whatever the side one looks from? Asserts that it runs one way.
 fn reads_right(scene: &Scene, eye_distance: f32) -> bool {
     let answers = [0.3, 1.7, 2.9, 4.4, 5.8].map(|angle: f32| {
-        let away = Vec3::new(angle.cos(), 0.0, angle.sin());
+        let away = vec3(angle.cos(), 0.0, angle.sin());
         let position = away * eye_distance;
-        let camera = Camera { position, look_at: position - away, up: Vec3::Y, vertical_fov: 0.3 };
+        let camera = camera(position, position - away, 0.3);
         let row = row(&Scene { camera, ..scene.clone() });
         // From one pixel to the next by less than half the picture, over the seam too.
         let steps = row.windows(2).map(|pair| {
@@ -107,9 +89,8 @@ fn scene_files_name_the_side_and_mean_outside_where_they_do_not() {
     let folder = tempfile::TempDir::new().unwrap();
     let side = |keys: &str| {
         let path = folder.path().join("scene.json");
-        let text = format!(
-            r#"{{ "format": "octray-1", "spheres": [ {{ "center": [0,0,0], "radius": 1 {keys} }} ] }}"#
-        );
+        let ball = format!(r#"{{ "center": [0,0,0], "radius": 1 {keys} }}"#);
+        let text = format!(r#"{{ "format": "octray-1", "spheres": [ {ball} ] }}"#);
         std::fs::write(&path, text).unwrap();
         load(path.to_str().unwrap()).map(|scene| scene.spheres[0].texture_side)
     };
@@ -132,21 +113,18 @@ fn builtin_skies_on_spheres_read_right_from_inside() {
 
 #[test]
 fn whole_repeats_of_a_triangles_picture_change_no_bit() {
-    let corners = [Vec3::new(-4.0, -4.0, 0.0), Vec3::new(4.0, -4.0, 0.0), Vec3::new(0.0, 5.0, 0.0)];
+    let corners = [vec3(-4.0, -4.0, 0.0), vec3(4.0, -4.0, 0.0), vec3(0.0, 5.0, 0.0)];
     // A step of single precision near 10⁶ is a sixteenth.
-    let uvs = [Vec2::new(0.0, 0.25), Vec2::new(0.75, 0.0), Vec2::new(0.5, 0.9375)];
+    let uvs = [vec2(0.0, 0.25), vec2(0.75, 0.0), vec2(0.5, 0.9375)];
     let shifted = |by: Vec2| {
         let mut scene = Scene { triangles: vec![triangle(corners, 0)], ..ball(Side::Outside) };
         scene.spheres.clear();
         scene.uvs = vec![uvs.map(|uv| uv + by)];
-        let renderer = Renderer::new(&scene, Settings::of(&scene));
-        let mut film = renderer.film();
-        renderer.add_samples(&mut film, 2);
-        film.picture()
+        render(&scene, Settings::of(&scene), 2)
     };
     let near = shifted(Vec2::ZERO);
     assert!(near.pixels.iter().any(|pixel| pixel[0] != near.pixels[0][0]), "the picture shows");
-    for by in [Vec2::new(1.0, -7.0), Vec2::new(-1e6, 1e6)] {
+    for by in [vec2(1.0, -7.0), vec2(-1e6, 1e6)] {
         assert!(shifted(by) == near, "{by}");
     }
 }

@@ -1,67 +1,64 @@
 //! `octray chart`: its files, its JSON, its truth kept for the next run.
 
-use crate::desk::Desk;
-use predicates::prelude::*;
-use predicates::str::contains;
-use serde_json::json;
+use crate::desk::{Desk, SCENE, list, number};
+use crate::report_page;
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 
 /// A frame of 48×27, and pictures of 16×9. Half a second is what the truth and the least of all else take
 /// here.
-const SMALL: [&str; 8] = ["chart", "scene.json", "-o", "new/charts", "--budget", "0.5", "--size", "48x27"];
+pub const SMALL: &str = "chart scene.json -o new/charts --budget 0.5 --size 48x27";
 
 #[test]
 fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     let desk = Desk::new();
-    let report = desk.json(&[&SMALL[..], &["--json"]].concat());
+    let report = desk.json(SMALL);
     assert_eq!((&report["schema"], &report["seeds"]), (&json!("octray-chart-1"), &json!(8)));
     let scene = &report["scenes"][0];
     assert_eq!((&scene["size"], &scene["frame_size"]), (&json!([16, 9]), &json!([48, 27])));
     assert_eq!(scene["truth"]["cached"], false);
-    let lines = scene["pictures"].as_array().unwrap();
+    let lines = list(&scene["pictures"]);
     let names: Vec<&str> = lines.iter().map(|line| line["configuration"].as_str().unwrap()).collect();
     assert_eq!(names[..2], ["default", "scalar"]);
     assert!(names.contains(&"naive spheres") && !names.contains(&"lights off"), "{names:?}");
     let mut points = 0;
     for line in lines {
         assert!(line["pictures_unlike_default"].is_null() || line["pictures_unlike_default"] == 0, "{line}");
-        for point in line["points"].as_array().unwrap() {
+        for point in list(&line["points"]) {
             points += 1;
             for error in ["rmse", "relmse", "relmse_trimmed", "flip", "seconds"] {
-                let [p10, median, p90] = ["p10", "median", "p90"].map(|p| point[error][p].as_f64().unwrap());
+                let [p10, median, p90] = ["p10", "median", "p90"].map(|p| number(&point[error][p]));
                 assert!(p10 <= median && median <= p90 && p10 > 0.0, "{error}: {point}");
             }
         }
     }
-    for kernel in report["kernels"].as_array().unwrap() {
-        assert!(
-            kernel["ns"].as_f64().unwrap() > 0.0 && kernel["failure_case"]["recipe"].is_string(),
-            "{kernel}"
-        );
+    for kernel in list(&report["kernels"]) {
+        assert!(number(&kernel["ns"]) > 0.0 && kernel["failure_case"]["recipe"].is_string(), "{kernel}");
     }
 
-    let read = |name: &str| fs::read_to_string(desk.path("new/charts").join(name)).unwrap();
-    let kept: serde_json::Value = serde_json::from_str(&read("chart.json")).unwrap();
+    let read = |name: &str| desk.text(&format!("new/charts/{name}"));
+    let page = read("report.html");
+    report_page::assert_stands_alone(&page, &report, desk.path("scene.json").to_str().unwrap());
+    let kept: Value = serde_json::from_str(&read("chart.json")).unwrap();
     assert_eq!(kept, report, "the file and what is printed");
     let table = read("pictures.csv");
     assert_eq!(table.lines().count(), points + 1);
     let columns = table.lines().next().unwrap().split(',').count();
     assert!(table.lines().all(|row| row.split(',').count() == columns));
-    assert_eq!(read("frames.csv").lines().count(), 3 * scene["frames"].as_array().unwrap().len() + 1);
-    let (shown, moving) = (scene["display"].as_array().unwrap(), scene["motion"].as_array().unwrap());
+    assert_eq!(read("frames.csv").lines().count(), 3 * list(&scene["frames"]).len() + 1);
+    let [shown, moving] = ["display", "motion"].map(|key| list(&scene[key]));
     assert_eq!((shown.len(), moving.len()), (3 * 4, 3 * 3), "samples and ways; paths and ways");
     for (table, rows) in [(read("display.csv"), shown), (read("motion.csv"), moving)] {
         assert_eq!(table.lines().count(), rows.len() + 1);
         for (row, line) in rows.iter().zip(table.lines().skip(1)) {
             assert!(line.contains(row["filter"].as_str().unwrap()), "{line}");
-            assert!(row["frame_ms"]["median"].as_f64().unwrap() > 0.0, "{row}");
+            assert!(number(&row["frame_ms"]["median"]) > 0.0, "{row}");
         }
     }
     let reprojected = moving.iter().filter(|row| row["filter"] == "reprojected");
     let lower = reprojected.filter_map(|row| row["times_lower"].as_f64());
     assert!(lower.into_iter().all(|times| times > 0.0), "{moving:?}");
-    assert_eq!(read("kernels.csv").lines().count(), report["kernels"].as_array().unwrap().len() + 1);
+    assert_eq!(read("kernels.csv").lines().count(), list(&report["kernels"]).len() + 1);
     for name in ["pictures.csv", "frames.csv", "display.csv", "kernels.csv"] {
         let table = read(name);
         let mut rows = csv::Reader::from_reader(table.as_bytes());
@@ -74,7 +71,6 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
         // Errors below that of the ground truth are unknown.
         assert!(empty.iter().all(|column| column.starts_with("rmse")), "{name} has no cells in {empty:?}");
     }
-    let page = read("report.html");
     for name in [
         "scene-json-pictures",
         "scene-json-pictures-flip",
@@ -88,16 +84,16 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
         assert!(page.contains(&drawn), "{name} is on the page");
         assert_eq!(overlapping(&drawn), Vec::<String>::new(), "{name}");
     }
-    let last = lines[0]["points"].as_array().unwrap().last().unwrap();
-    let [seconds, samples] = [&last["seconds"]["median"], &last["samples"]].map(|x| x.as_f64().unwrap());
-    assert_eq!(scene["default_sample_s"].as_f64().unwrap(), seconds / samples);
+    let last = list(&lines[0]["points"]).last().unwrap();
+    let [seconds, samples] = [&last["seconds"]["median"], &last["samples"]].map(number);
+    assert_eq!(number(&scene["default_sample_s"]), seconds / samples);
 }
 
 /// The texts of a drawing that cover others or leave it, by a width of a letter that common fonts do not
 /// reach.
 fn overlapping(svg: &str) -> Vec<String> {
     let attribute = |tag: &str, name: &str| -> Option<String> {
-        let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
+        let (_, rest) = tag.split_once(&format!(r#" {name}=""#))?;
         Some(rest.split_once('"')?.0.to_owned())
     };
     let view = attribute(svg, "viewBox").unwrap();
@@ -132,40 +128,29 @@ fn overlapping(svg: &str) -> Vec<String> {
 }
 
 #[test]
-fn chart_keeps_its_truth_for_the_next_run_of_the_same_scene() {
+fn chart_tells_what_it_found_and_keeps_its_truth_for_the_next_run_of_the_same_scene() {
     let desk = Desk::new();
-    let first = desk.json(&[&SMALL[..], &["--json"]].concat());
-    let second = desk.json(&[&SMALL[..], &["--json"]].concat());
-    let truth = |report: &serde_json::Value| report["scenes"][0]["truth"].clone();
+    let printed = desk.run(SMALL);
+    for words in ["configuration", "\ndefault ", "\nscalar ", "new/charts/report.html"] {
+        assert!(printed.contains(words), "{words} is not in {printed}");
+    }
+    let first: Value = serde_json::from_str(&desk.text("new/charts/chart.json")).unwrap();
+    let second = desk.json(SMALL);
+    let truth = |report: &Value| report["scenes"][0]["truth"].clone();
     assert_eq!(truth(&second)["cached"], true);
     for figure in ["samples", "frame_rmse", "small_rmse"] {
         assert_eq!(truth(&first)[figure], truth(&second)[figure], "{figure}");
     }
-    let brighter =
-        fs::read_to_string(desk.path("scene.json")).unwrap().replace("[0.5, 0.7, 1.0]", "[0.5, 0.7, 1.5]");
-    fs::write(desk.path("scene.json"), brighter).unwrap();
-    let third = desk.json(&[&SMALL[..], &["--json"]].concat());
-    assert_eq!(truth(&third)["cached"], false, "another scene of the same name");
-}
-
-#[test]
-fn chart_tells_what_it_found_and_where() {
-    let desk = Desk::new();
-    let shown = desk.octray(&SMALL).assert().success();
-    shown.stdout(
-        contains("configuration")
-            .and(contains("\ndefault "))
-            .and(contains("\nscalar "))
-            .and(contains("new/charts/report.html")),
-    );
+    desk.write("scene.json", SCENE.replace("[0.5, 0.7, 1.0]", "[0.5, 0.7, 1.5]"));
+    assert_eq!(truth(&desk.json(SMALL))["cached"], false, "another scene of the same name");
 }
 
 #[test]
 fn chart_refuses_what_it_cannot_do_before_it_works() {
     let desk = Desk::new();
-    desk.refuses(&["chart", "scene.json", "-o", "c", "--size", "64x36"], &["--size", "66x36", "third"]);
-    desk.refuses(&["chart", "scene.json", "-o", "c", "--budget", "0"], &["--budget", "seconds"]);
-    desk.refuses(&["chart", "scene.json", "-o", "c", "--seeds", "7"], &["--seeds", "8"]);
-    desk.refuses(&["chart", "scene.json", "-o", "model.obj"], &["cannot make the folder", "model.obj"]);
-    desk.refuses(&["chart", "scene.json", "gone.json", "-o", "c"], &["gone.json"]);
+    desk.refuses("chart scene.json -o c --size 64x36", &["--size", "66x36", "third"]);
+    desk.refuses("chart scene.json -o c --budget 0", &["--budget", "seconds"]);
+    desk.refuses("chart scene.json -o c --seeds 7", &["--seeds", "8"]);
+    desk.refuses("chart scene.json -o model.obj", &["cannot make the folder", "model.obj"]);
+    desk.refuses("chart scene.json gone.json -o c", &["gone.json"]);
 }

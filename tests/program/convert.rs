@@ -1,31 +1,22 @@
 //! `octray convert`: from a model to a scene file that shows the same.
 
 use crate::desk::{Desk, SCENE};
-use predicates::str::contains;
 use std::fs;
 
 #[test]
 fn convert_writes_a_scene_and_keeps_what_is_there() {
     let desk = Desk::new();
-    desk.octray(&["convert", "model.obj", "new.json"]).assert().success().stdout(contains("new.json"));
-    let written = fs::read_to_string(desk.path("new.json")).unwrap();
+    assert!(desk.run("convert model.obj new.json").contains("new.json"));
+    let written = desk.text("new.json");
     serde_json::from_str::<serde_json::Value>(&written).unwrap();
 
-    desk.refuses(&["convert", "model.obj", "scene.json"], &["scene.json", "exists", "--force"]);
-    assert_eq!(fs::read_to_string(desk.path("scene.json")).unwrap(), SCENE);
-    desk.octray(&["convert", "model.obj", "scene.json", "--force"]).assert().success();
-    assert_eq!(fs::read_to_string(desk.path("scene.json")).unwrap(), written);
+    desk.refuses("convert model.obj scene.json", &["scene.json", "exists", "--force"]);
+    assert_eq!(desk.text("scene.json"), SCENE);
+    desk.run("convert model.obj scene.json --force");
+    assert_eq!(desk.text("scene.json"), written);
     assert_eq!(desk.names(), ["model.obj", "new.json", "scene.json"]);
-}
-
-#[test]
-fn convert_takes_the_scene_file_as_an_option_too() {
-    let desk = Desk::new();
-    let written = |arguments: &[&str]| {
-        desk.octray(&[&["convert", "model.obj"], arguments].concat()).assert().success();
-        fs::read(desk.path(arguments[arguments.len() - 1])).unwrap()
-    };
-    assert_eq!(written(&["-o", "option.json"]), written(&["place.json"]));
+    desk.run("convert model.obj -o option.json");
+    assert_eq!(desk.text("option.json"), written, "the scene file as an option");
 }
 
 #[test]
@@ -42,8 +33,8 @@ fn converted_models_render_the_same_wherever_the_scene_file_stands() {
         "scenes/../beside.json",
         "scenes/deep/../../models/../scenes/around.json",
     ] {
-        desk.octray(&["convert", "models/m.obj", scene]).assert().success().stderr("");
-        assert_eq!(desk.json(&["inspect", scene, "--json"])["materials"]["textured"], 1, "{scene}");
+        assert_eq!(desk.warnings(&format!("convert models/m.obj {scene}")), "");
+        assert_eq!(desk.json(&format!("inspect {scene}"))["materials"]["textured"], 1, "{scene}");
         assert_eq!(desk.render_small(scene), model, "{scene}");
     }
     // The scene file stands alone: only the texture is still needed.
@@ -72,27 +63,17 @@ fn models_of_every_format_are_read_by_every_command() {
          property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n\
          property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n",
     );
-    for (model, kind) in [("t.gltf", "metal-rough"), ("t.ply", "diffuse")] {
+    // Vertex colours add a variant of the material.
+    for (model, kind, count) in [("t.gltf", "metal-rough", 1), ("t.ply", "diffuse", 2)] {
         let shown = desk.render_small(model);
         assert!(shown.iter().any(|pixel| *pixel != shown[0]), "{model}");
-        desk.octray(&["convert", model, "t.json", "--force"]).assert().success().stderr("");
+        assert_eq!(desk.warnings(&format!("convert {model} t.json --force")), "");
         assert_eq!(desk.render_small("t.json"), shown, "{model}");
-        desk.write(
-            "placed.json",
-            &format!(r#"{{ "format": "octray-1", "meshes": [{{ "model": "{model}" }}] }}"#),
-        );
-        assert_eq!(
-            desk.json(&["inspect", "placed.json", "--json"])["materials"][kind],
-            json_number(model),
-            "{model}"
-        );
-        desk.octray(&["rays", model, "--size", "8x8", "--passes", "1", "--json"]).assert().success();
+        let placed = format!(r#"{{ "format": "octray-1", "meshes": [{{ "model": "{model}" }}] }}"#);
+        desk.write("placed.json", &placed);
+        assert_eq!(desk.json("inspect placed.json")["materials"][kind], count, "{model}");
+        desk.json(&format!("rays {model} --size 8x8 --passes 1"));
     }
-}
-
-/// The number of materials of the model's kind: vertex colours add a variant.
-fn json_number(model: &str) -> u64 {
-    if model.ends_with("ply") { 2 } else { 1 }
 }
 
 #[test]
@@ -100,9 +81,9 @@ fn convert_says_what_of_a_model_it_leaves_out() {
     let desk = Desk::new();
     desk.write("odd.mtl", "newmtl a\nKd 1 1 1\nd 0.5\n");
     desk.write("odd.obj", "mtllib odd.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
-    let said = desk.warnings(&["convert", "odd.obj", "odd.json"]);
+    let said = desk.warnings("convert odd.obj odd.json");
     assert!(said.contains("odd.mtl"), "{said}");
-    let of_compare = desk.warnings(&["compare", "odd.obj", "--samples", "1", "--size", "4x4"]);
+    let of_compare = desk.warnings("compare odd.obj --samples 1 --size 4x4");
     // A plain build also says so there.
     assert!(of_compare.ends_with(&said), "{of_compare}");
 }
@@ -111,25 +92,23 @@ fn convert_says_what_of_a_model_it_leaves_out() {
 fn convert_refuses_names_that_no_command_would_read() {
     let desk = Desk::new();
     desk.write("model.stl", "solid\n");
-    for (model, scene, words) in [
+    for (arguments, words) in [
         (
-            "model.obj",
-            "new.txt",
+            "model.obj new.txt",
             &["`new.txt` would not be read as a scene", "end in .json", "write to new.json"][..],
         ),
-        ("model.obj", "new", &["write to new.json"]),
+        ("model.obj new", &["write to new.json"]),
         (
-            "model.stl",
-            "new.json",
-            &["error: `model.stl` is not a model\n", "export the model as .obj, .gltf, .glb or .ply"],
+            "model.stl new.json",
+            &["`model.stl` is not a model\n", "export the model as .obj, .gltf, .glb or .ply"],
         ),
-        ("scene.json", "new.json", &["`scene.json` is a scene already", "octray render scene.json"]),
-        ("scene.json", "model.obj", &["the model comes first: octray convert model.obj scene.json"]),
-        ("builtin:three", "new.json", &["a scene already"]),
+        ("scene.json new.json", &["`scene.json` is a scene already", "octray render scene.json"]),
+        ("scene.json model.obj", &["the model comes first: octray convert model.obj scene.json"]),
+        ("builtin:three new.json", &["a scene already"]),
     ] {
-        desk.refuses(&["convert", model, scene], words);
+        desk.refuses(&format!("convert {arguments}"), words);
     }
     desk.write("LOUD.OBJ", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    desk.octray(&["convert", "LOUD.OBJ", "LOUD.JSON"]).assert().success();
+    desk.run("convert LOUD.OBJ LOUD.JSON");
     desk.render_small("LOUD.JSON");
 }

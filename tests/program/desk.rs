@@ -1,12 +1,11 @@
 //! A folder to work in, and the program that runs there.
 
+use crate::folder::Folder;
 use crate::openexr;
 use crate::program::octray;
 use assert_cmd::Command;
-use serde_json::Value;
-use std::fs;
-use std::path::PathBuf;
-use tempfile::TempDir;
+use serde_json::{Value, json};
+use std::ops::Deref;
 
 /// The scene of every desk: one sphere, eight pixels in width and height.
 pub const SCENE: &str = r#"{
@@ -26,69 +25,88 @@ pub fn assert_fits(table: &str) {
     }
 }
 
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+/// The elements of an array of a report.
+pub fn list(value: &Value) -> &[Value] {
+    value.as_array().unwrap_or_else(|| panic!("{value} is not an array"))
+}
+
 /// A folder with a scene and a model in it, in which the program runs.
-pub struct Desk(pub TempDir);
+pub struct Desk(Folder);
+
+/// What is done with any folder.
+impl Deref for Desk {
+    type Target = Folder;
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Desk {
     pub fn new() -> Self {
-        let folder = TempDir::new().unwrap();
-        fs::write(folder.path().join("scene.json"), SCENE).unwrap();
-        fs::write(folder.path().join("model.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-        Self(folder)
+        let desk = Self(Folder::new());
+        desk.write("scene.json", SCENE);
+        desk.write("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        desk
     }
 
-    pub fn octray(&self, arguments: &[&str]) -> Command {
+    /// The program with the words of a line as its arguments.
+    pub fn octray(&self, line: &str) -> Command {
+        self.octray_with(&line.split_whitespace().collect::<Vec<_>>())
+    }
+
+    /// The program with arguments that may be empty or hold spaces.
+    fn octray_with(&self, arguments: &[&str]) -> Command {
         let mut command = Command::from_std(octray());
-        command.args(arguments).current_dir(self.0.path());
+        command.args(arguments).current_dir(self.path(""));
         command
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    pub fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = fs::read_dir(self.0.path())
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    }
-
     /// The arguments are refused: exit code 2, nothing on standard output, an error that says all of `words`,
-    /// no file.
-    pub fn refuses(&self, arguments: &[&str], words: &[&str]) {
+    /// no file. Returns what it says.
+    pub fn refuses(&self, line: &str, words: &[&str]) -> String {
+        self.refuses_with(&line.split_whitespace().collect::<Vec<_>>(), words)
+    }
+
+    /// The same of arguments that may be empty or hold spaces.
+    pub fn refuses_with(&self, arguments: &[&str], words: &[&str]) -> String {
         let before = self.names();
-        let refused = self.octray(arguments).assert().code(2).stdout("");
+        let refused = self.octray_with(arguments).assert().code(2).stdout("");
         let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
         // Warnings about the build may stand before it.
-        let error = said
-            .lines()
-            .find(|line| !line.starts_with("warning: ") && !line.starts_with("  "))
-            .unwrap_or_default();
+        let of_warning = |line: &&str| line.starts_with("warning: ") || line.starts_with("  ");
+        let error = said.lines().find(|line| !of_warning(line)).unwrap_or_default();
         assert!(error.starts_with("error: ") && !said.contains("panicked"), "octray {arguments:?}: {said}");
         for word in words {
             assert!(said.contains(word), "octray {arguments:?} does not say {word:?}: {said}");
         }
         assert_eq!(self.names(), before, "octray {arguments:?} left a file");
+        said
     }
 
-    /// Writes a file, and the folders it lies in.
-    pub fn write(&self, name: &str, text: &str) {
-        fs::create_dir_all(self.path(name).parent().unwrap()).unwrap();
-        fs::write(self.path(name), text).unwrap();
+    /// The program succeeds: what it prints.
+    pub fn run(&self, line: &str) -> String {
+        String::from_utf8(self.octray(line).assert().success().get_output().stdout.clone()).unwrap()
     }
 
-    /// The program succeeds: its report in JSON.
-    pub fn json(&self, arguments: &[&str]) -> Value {
-        let output = self.octray(arguments).assert().success().get_output().stdout.clone();
-        serde_json::from_slice(&output).unwrap_or_else(|error| panic!("octray {arguments:?}: {error}"))
+    /// The program succeeds with `--json`: its report.
+    pub fn json(&self, line: &str) -> Value {
+        let printed = self.run(&format!("{line} --json"));
+        serde_json::from_str(&printed).unwrap_or_else(|error| panic!("octray {line}: {error}"))
     }
 
     /// The program succeeds: what it says on standard error.
-    pub fn warnings(&self, arguments: &[&str]) -> String {
-        String::from_utf8(self.octray(arguments).assert().success().get_output().stderr.clone()).unwrap()
+    pub fn warnings(&self, line: &str) -> String {
+        String::from_utf8(self.octray(line).assert().success().get_output().stderr.clone()).unwrap()
+    }
+
+    /// The program renders a picture: its file.
+    pub fn rendered(&self, line: &str, output: &str) -> Vec<u8> {
+        self.run(&format!("render {line} -o {output}"));
+        self.bytes(output)
     }
 
     /// The pixels of a picture file.
@@ -111,10 +129,25 @@ impl Desk {
         paper.save(self.path("models/paper.png")).unwrap();
     }
 
+    /// A white room that shines, and so many balls in it: every path has as many bounces as it may.
+    pub fn put_endless_paths(&self, balls: usize) {
+        let ball = |i: usize| {
+            let [x, y, z] = [i % 16, i / 16 % 16, i / 256].map(|step| 0.1 * step as f64 - 0.7);
+            json!({ "center": [x, y, z], "radius": 0.01, "material": "white" })
+        };
+        let room = json!({ "center": [0, 0, 0], "radius": 4, "material": "white" });
+        let scene = json!({
+            "format": "octray-1",
+            "camera": { "position": [0, 0, 3], "look_at": [0, 0, 0], "up": [0, 1, 0], "vertical_fov": 40 },
+            "materials": { "white": { "type": "diffuse", "color": [1, 1, 1], "emission": [1, 1, 1] } },
+            "spheres": (0..balls).map(ball).chain([room]).collect::<Vec<_>>(),
+        });
+        self.write("endless.json", scene.to_string());
+    }
+
     /// Renders a scene to a few pixels, which are not all black.
     pub fn render_small(&self, scene: &str) -> Vec<[f32; 3]> {
-        let arguments = ["-o", "small.exr", "--samples", "2", "--size", "24x14", "--json"];
-        let report = self.json(&[&["render", scene][..], &arguments].concat());
+        let report = self.json(&format!("render {scene} -o small.exr --samples 2 --size 24x14"));
         assert!(report["rays"].as_u64().unwrap() >= 24 * 14 * 2, "{scene}: {report}");
         assert_eq!(report["discarded_samples"], 0, "{scene}");
         let pixels = self.pixels("small.exr");

@@ -1,9 +1,7 @@
 //! `octray bench` and `octray compare`: what their reports hold.
 
-use crate::desk::{Desk, SCENE, assert_fits};
+use crate::desk::{Desk, SCENE, assert_fits, list, number};
 use octray::lane::WIDTHS;
-use predicates::prelude::*;
-use predicates::str::contains;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -17,20 +15,15 @@ fn assert_keys(object: &Value, keys: &str) {
     }
 }
 
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
-}
-
 #[test]
 fn bench_reports_every_engine_in_json() {
     let desk = Desk::new();
-    let arguments = "bench scene.json builtin:three --frames 1 --size 16x9 --threads 1 --json";
-    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    let report = desk.json("bench scene.json builtin:three --frames 1 --size 16x9 --threads 1");
     assert_eq!(report["schema"], "octray-bench-1");
     assert_keys(&report["machine"], "cpu cores target_features rustc commit");
     assert!(number(&report["machine"]["cores"]) >= 1.0);
 
-    let results = report["results"].as_array().unwrap();
+    let results = list(&report["results"]);
     let engines: Vec<Value> =
         results.iter().map(|result| json!([result["scene"], result["engine"], result["lanes"]])).collect();
     let widths: Vec<usize> = WIDTHS.into_iter().rev().collect();
@@ -50,7 +43,7 @@ fn bench_reports_every_engine_in_json() {
         assert!(number(&result["rays_per_frame"]) >= 16.0 * 9.0, "{result}");
         let mrays_per_s = number(&result["rays_per_frame"]) * number(&result["fps_median"]) / 1e6;
         assert!((number(&result["mrays_per_s"]) / mrays_per_s - 1.0).abs() < 1e-9, "{result}");
-        assert!(result["needs"].as_array().unwrap().contains(&json!("spheres")), "{result}");
+        assert!(list(&result["needs"]).contains(&json!("spheres")), "{result}");
     }
     // The speed-up stands with the faster engines.
     for engines in results.chunks(widths.len()) {
@@ -63,7 +56,7 @@ fn bench_reports_every_engine_in_json() {
         }
     }
     // No speed without its accuracy.
-    let accuracy = report["accuracy"].as_array().unwrap();
+    let accuracy = list(&report["accuracy"]);
     assert_eq!(accuracy.len(), 2);
     assert!(accuracy.iter().all(|scene| scene["mismatched_pixels"] == 0), "{report}");
 }
@@ -71,7 +64,7 @@ fn bench_reports_every_engine_in_json() {
 #[test]
 fn bench_names_the_commit_it_was_built_from() {
     let desk = Desk::new();
-    let report = desk.json(&["bench", "scene.json", "--frames", "1", "--size", "8x8", "--json"]);
+    let report = desk.json("bench scene.json --frames 1 --size 8x8");
     let named = report["machine"]["commit"].as_str().unwrap();
     let git = |arguments: &[&str]| {
         // Of a checkout of another user's, git says nothing otherwise: nor does it to the build.
@@ -85,10 +78,8 @@ fn bench_names_the_commit_it_was_built_from() {
     match git(&["rev-parse", "--show-toplevel"]) {
         Some(top) if Path::new(&top).canonicalize().unwrap() == here => {
             let head = git(&["rev-parse", "HEAD"]).unwrap();
-            assert!(
-                head.starts_with(named.trim_end_matches("+changes")),
-                "{named} is built in, {head} is here"
-            );
+            let same = head.starts_with(named.trim_end_matches("+changes"));
+            assert!(same, "{named} is built in, {head} is here");
         }
         _ => assert_eq!(named, "unknown", "there is no checkout"),
     }
@@ -99,15 +90,13 @@ fn bench_measures_the_width_and_threads_asked_for() {
     let desk = Desk::new();
     for (lanes, threads) in [("1", "2"), ("8", "1"), ("16", "1")] {
         if !WIDTHS.contains(&lanes.parse().unwrap()) {
-            desk.refuses(
-                &["bench", "scene.json", "--lanes", lanes],
-                &["'16' for '--lanes", "AVX-512", "auto, 1 or 8"],
-            );
+            let words = ["'16' for '--lanes", "AVX-512", "auto, 1 or 8"];
+            desk.refuses(&format!("bench scene.json --lanes {lanes}"), &words);
             continue;
         }
-        let arguments = ["bench", "scene.json", "--frames", "2", "--size", "8x8", "--json"];
-        let report = desk.json(&[&arguments[..], &["--lanes", lanes, "--threads", threads]].concat());
-        let results = report["results"].as_array().unwrap();
+        let own = format!("--lanes {lanes} --threads {threads}");
+        let report = desk.json(&format!("bench scene.json --frames 2 --size 8x8 {own}"));
+        let results = list(&report["results"]);
         assert_eq!(results.len(), 1, "{report}");
         assert_eq!(results[0]["lanes"].to_string(), lanes);
         assert_eq!(results[0]["threads"].to_string(), threads);
@@ -119,16 +108,15 @@ fn bench_measures_the_width_and_threads_asked_for() {
 fn bench_shows_what_leaving_features_out_gains_where_something_is_left_out() {
     let desk = Desk::new();
     let over_general = |scene: &str| {
-        let report =
-            desk.json(&["bench", scene, "--frames", "11", "--size", "8x8", "--threads", "1", "--json"]);
-        let results = report["results"].as_array().unwrap().clone();
+        let report = desk.json(&format!("bench {scene} --frames 11 --size 8x8 --threads 1"));
+        let results = list(&report["results"]);
         assert!(results[1..].iter().all(|result| result["over_general"].is_null()), "{report}");
         assert_eq!(results[0]["frames"], 11);
         results[0]["over_general"].clone()
     };
     let three = over_general("builtin:three");
     // Turns of two frames, and of fewer on a busy machine: ratios of several rounds.
-    assert!(three["median"].as_f64().unwrap() > 0.0 && three["rounds"].as_u64().unwrap() >= 5, "{three}");
+    assert!(number(&three["median"]) > 0.0 && number(&three["rounds"]) >= 5.0, "{three}");
     // It has textures and maps that only the general pipeline has.
     assert!(over_general(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/films/everything.json")).is_null());
 }
@@ -136,13 +124,11 @@ fn bench_shows_what_leaving_features_out_gains_where_something_is_left_out() {
 #[test]
 fn bench_and_compare_take_the_pipeline_asked_for() {
     let desk = Desk::new();
-    let arguments = "bench builtin:three --frames 2 --size 8x8 --threads 1 --pipeline general --json";
-    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
-    let results = report["results"].as_array().unwrap();
-    assert!(results.iter().all(|result| result["pipeline"] == "general"), "{report}");
-    assert!(results.iter().all(|result| result["over_general"].is_null()), "{report}");
-    let arguments = "compare builtin:three --samples 1 --size 8x8 --pipeline general --json";
-    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    let report = desk.json("bench builtin:three --frames 2 --size 8x8 --threads 1 --pipeline general");
+    for result in list(&report["results"]) {
+        assert!(result["pipeline"] == "general" && result["over_general"].is_null(), "{result}");
+    }
+    let report = desk.json("compare builtin:three --samples 1 --size 8x8 --pipeline general");
     assert_eq!(report["results"][0]["mismatched_pixels"], 0);
 }
 
@@ -150,38 +136,31 @@ fn bench_and_compare_take_the_pipeline_asked_for() {
 fn bench_traces_the_paths_of_the_seed_asked_for() {
     let desk = Desk::new();
     let rays = |seed| {
-        let arguments = ["bench", "scene.json", "--frames", "1", "--size", "64x64", "--json", "--seed", seed];
-        number(&desk.json(&arguments)["results"][0]["rays_per_frame"])
+        let report = desk.json(&format!("bench scene.json --frames 1 --size 64x64 --seed {seed}"));
+        number(&report["results"][0]["rays_per_frame"])
     };
-    assert_ne!(rays("1"), rays("2"));
-    assert_eq!(rays("1"), rays("1"));
+    let one = rays(1);
+    assert!(one != rays(2) && one == rays(1));
 }
 
 #[test]
 fn bench_prints_a_row_a_scene_and_what_it_means() {
     let desk = Desk::new();
-    let shown = desk.octray(&["bench", "scene.json", "--frames", "2", "--size", "8x8"]).assert().success();
-    let shown =
-        shown.stdout(contains("\nscene.json ").and(contains("speed-up")).and(contains("same, bit by bit")));
-    let said = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
+    let said = desk.run("bench scene.json --frames 2 --size 8x8");
+    assert!(said.contains("speed-up") && said.contains("same, bit by bit"), "{said}");
     assert_eq!(said.matches("\nscene.json ").count(), 2, "rates and ratios: {said}");
-    let twice = desk
-        .octray(&["bench", "scene.json", "scene.json", "--frames", "2", "--size", "8x8"])
-        .assert()
-        .success();
-    let rows = String::from_utf8_lossy(&twice.get_output().stdout).matches("\nscene.json ").count();
-    assert_eq!(rows, 4, "a scene named twice has two rows in each table");
+    let twice = desk.run("bench scene.json scene.json --frames 2 --size 8x8");
+    assert_eq!(twice.matches("\nscene.json ").count(), 4, "two rows in each table: {twice}");
     // The first line names the machine.
     assert_fits(said.split_once('\n').unwrap().1);
 }
 
 #[test]
-fn compare_reports_in_json_that_the_pictures_agree() {
+fn compare_reports_in_json_and_says_for_people_that_the_pictures_agree() {
     let desk = Desk::new();
-    let arguments = "compare scene.json builtin:cornell --samples 2 --size 16x9 --json";
-    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    let report = desk.json("compare scene.json builtin:cornell --samples 2 --size 16x9");
     assert_eq!(report["schema"], "octray-compare-1");
-    let results = report["results"].as_array().unwrap();
+    let results = list(&report["results"]);
     let scenes: Vec<&Value> = results.iter().map(|result| &result["scene"]).collect();
     assert_eq!(json!(scenes), json!(["scene.json", "builtin:cornell"]));
     for result in results {
@@ -196,28 +175,21 @@ fn compare_reports_in_json_that_the_pictures_agree() {
         assert!(number(&result["speedup_rounds"]) >= 1.0, "{result}");
         assert!(number(&result["reference"]["rmse"]) <= number(&result["reference"]["max_abs"]));
     }
-}
-
-#[test]
-fn compare_says_for_people_that_the_pictures_agree() {
-    let desk = Desk::new();
-    let shown = desk.octray(&["compare", "scene.json", "--samples", "1", "--size", "8x8"]).assert().success();
-    shown.stdout(contains("the same, bit by bit"));
+    assert!(desk.run("compare scene.json --samples 1 --size 8x8").contains("the same, bit by bit"));
 }
 
 #[test]
 fn bench_and_compare_refuse_a_bad_scene_before_they_measure_a_good_one() {
     let desk = Desk::new();
-    desk.write("bad.json", &SCENE.replace("\"radius\": 1", "\"radius\": -1"));
-    for command in [&["compare", "--samples", "1"][..], &["bench", "--frames", "1"]] {
-        for (bad, word) in [
-            ("nowhere.json", "no such file"),
-            ("bad.json", "spheres[0].radius"),
-            ("builtin:thre", "builtin:three"),
-        ] {
-            let scenes = ["--size", "8x8", "scene.json", "builtin:three", bad];
-            // Nothing stands on standard output: no table was begun.
-            desk.refuses(&[command, &scenes[..]].concat(), &[bad, word]);
+    desk.write("bad.json", SCENE.replace(r#""radius": 1"#, r#""radius": -1"#));
+    for (bad, word) in [
+        ("nowhere.json", "no such file"),
+        ("bad.json", "spheres[0].radius"),
+        ("builtin:thre", "builtin:three"),
+    ] {
+        // Nothing stands on standard output: no table was begun.
+        for command in ["compare --samples 1", "bench --frames 1"] {
+            desk.refuses(&format!("{command} --size 8x8 scene.json builtin:three {bad}"), &[bad, word]);
         }
     }
 }
@@ -233,14 +205,12 @@ fn bench_and_compare_exit_with_1_when_a_check_failed() {
     )
     .unwrap();
     let sky = r#"{ "texture": "sun.hdr", "color": [1e18, 1e18, 1e18] }"#;
-    desk.write("overflow.json", &SCENE.replace(r#"{ "color": [0.5, 0.7, 1.0] }"#, sky));
+    desk.write("overflow.json", SCENE.replace(r#"{ "color": [0.5, 0.7, 1.0] }"#, sky));
     // The good scene comes last: it must not make up for the other.
-    let scenes = ["overflow.json", "scene.json", "--size", "8x8"];
-    for command in [["compare", "--samples", "1"], ["bench", "--frames", "1"]] {
-        desk.octray(&[&command[..], &scenes].concat()).assert().code(1);
+    for command in ["compare --samples 1", "bench --frames 1"] {
+        desk.octray(&format!("{command} overflow.json scene.json --size 8x8")).assert().code(1);
     }
-    let failed = desk.octray(&["compare", "overflow.json", "--samples", "1", "--size", "8x8", "--json"]);
-    let failed = { failed }.assert().code(1);
+    let failed = desk.octray("compare overflow.json --samples 1 --size 8x8 --json").assert().code(1);
     let report: Value = serde_json::from_slice(&failed.get_output().stdout).unwrap();
     assert!(number(&report["results"][0]["discarded_samples"]) > 0.0, "{report}");
 }
@@ -252,9 +222,8 @@ fn compare_counts_the_wrong_hits_of_a_naive_method_and_forgives_them() {
     let far = SCENE.replace(r#""center": [0, 0, 0]"#, r#""center": [0, 0, -3000]"#).replace("40 }", "0.1 }");
     desk.write("far.json", &far);
     let wrong_hits = |method| {
-        let arguments =
-            ["compare", "far.json", "--samples", "1", "--size", "16x16", "--json", "--sphere", method];
-        number(&desk.json(&arguments)["results"][0]["reference"]["mismatched_hits"])
+        let report = desk.json(&format!("compare far.json --samples 1 --size 16x16 --sphere {method}"));
+        number(&report["results"][0]["reference"]["mismatched_hits"])
     };
     assert_eq!(wrong_hits("robust"), 0.0);
     assert!(wrong_hits("naive") > 10.0);
@@ -273,12 +242,11 @@ fn compare_hash_prints_the_expected_hash_of_a_film() {
         .and_then(|columns| <[&str; 3]>::try_from(columns).ok())
         .unwrap();
     let (hash, build) = if octray::lane::FUSED { (fused, "fused") } else { (plain, "plain") };
-    let mut printed = desk.octray(&["compare", "--hash", "builtin:three"]);
-    printed.assert().success().stdout(format!("{hash}  {build}  builtin:three\n"));
-    let report = desk.json(&["compare", "--hash", "--json", "builtin:three"]);
+    assert_eq!(desk.run("compare --hash builtin:three"), format!("{hash}  {build}  builtin:three\n"));
+    let report = desk.json("compare --hash builtin:three");
     assert_eq!(report["schema"], "octray-hash-1");
     assert_eq!(report["fused"], octray::lane::FUSED);
     assert_eq!(report["results"], json!([{ "scene": "builtin:three", "hash": hash }]));
-    let other = desk.json(&["compare", "--hash", "--json", "builtin:three", "--seed", "1"]);
+    let other = desk.json("compare --hash builtin:three --seed 1");
     assert_ne!(other["results"][0]["hash"], hash, "another seed is another film");
 }

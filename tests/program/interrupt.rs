@@ -5,7 +5,7 @@ use crate::program::{octray, send_signal};
 use crate::waiting::wait_for;
 use octray::render::{Renderer, Settings};
 use octray::scene;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Stdio};
 use std::sync::{Arc, Mutex};
@@ -44,7 +44,7 @@ impl Heard {
 impl Running {
     pub fn start(desk: &Desk, line: &str) -> Self {
         let mut command = octray();
-        command.args(line.split(' ')).current_dir(desk.0.path());
+        command.args(line.split(' ')).current_dir(desk.path(""));
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let printed = Heard::from(child.stdout.take().unwrap());
         let said = Heard::from(child.stderr.take().unwrap());
@@ -122,27 +122,11 @@ pub fn assert_samples(desk: &Desk, name: &str, size: [u32; 2], pixels: &[[f32; 3
     assert!(unknown.is_empty(), "{unknown:?} differ from {least} to {most} samples in {:?}", desk.names());
 }
 
-/// A white room that shines, and so many balls in it: every path has as many bounces as it may.
-fn put_endless_paths(desk: &Desk, balls: usize) {
-    let ball = |i: usize| {
-        let [x, y, z] = [i % 16, i / 16 % 16, i / 256].map(|step| 0.1 * step as f64 - 0.7);
-        json!({ "center": [x, y, z], "radius": 0.01, "material": "white" })
-    };
-    let room = json!({ "center": [0, 0, 0], "radius": 4, "material": "white" });
-    let scene = json!({
-        "format": "octray-1",
-        "camera": { "position": [0, 0, 3], "look_at": [0, 0, 0], "up": [0, 1, 0], "vertical_fov": 40 },
-        "materials": { "white": { "type": "diffuse", "color": [1, 1, 1], "emission": [1, 1, 1] } },
-        "spheres": (0..balls).map(ball).chain([room]).collect::<Vec<_>>(),
-    });
-    desk.write("endless.json", &scene.to_string());
-}
-
-/// A picture whose sample takes minutes, and each run of its tiles seconds: of 2,048 tiles eight are traced
+/// A picture whose sample takes minutes, and each run of its tiles seconds: of 512 tiles eight are traced
 /// together, of a quarter of a million rays each.
 pub fn put_heavy_picture(desk: &Desk) -> &'static str {
-    put_endless_paths(desk, 8);
-    "endless.json --size 1024x512 --bounces 1024 --lanes 1 --samples 4"
+    desk.put_endless_paths(8);
+    "endless.json --size 512x256 --bounces 1024 --lanes 1 --samples 4"
 }
 
 #[test]
@@ -169,7 +153,7 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
     let pixels = desk.pixels("a.exr");
     let begun = pixels.iter().filter(|pixel| **pixel != [0.0; 3]).count();
     // It ends with the run of eight tiles that is under way: the checkpoint comes after the first or second.
-    assert!((256..=8 * 8 * 256).contains(&begun) && pixels.len() == 1024 * 512, "{begun} pixels");
+    assert!((256..=8 * 8 * 256).contains(&begun) && pixels.len() == 512 * 256, "{begun} pixels");
     assert_eq!(desk.names(), ["a.exr", "c.part", "endless.json", "model.obj", "scene.json"]);
 }
 
@@ -177,10 +161,8 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
 fn ctrl_c_is_named_as_the_end() {
     let desk = Desk::new();
     let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
-    assert!(
-        printed.contains(" of 10,000,000 samples") && printed.ends_with("ended by Ctrl-C\n"),
-        "{printed}"
-    );
+    assert!(printed.contains(" of 10,000,000 samples"), "{printed}");
+    assert!(printed.ends_with("ended by Ctrl-C\n"), "{printed}");
 }
 
 /// So many balls, each of which every ray is tested against, that the first tile takes minutes.
@@ -188,7 +170,7 @@ fn ctrl_c_is_named_as_the_end() {
 #[test]
 fn ctrl_c_before_the_first_tile_is_done_writes_nothing_and_says_so() {
     let desk = Desk::new();
-    put_endless_paths(&desk, 40_000);
+    desk.put_endless_paths(40_000);
     desk.write("a.exr", "of yesterday");
     let arguments = "endless.json --size 64x64 --bounces 1024 --lanes 1 --traversal linear --samples 4";
     let mut running = Running::start(&desk, &format!("render {arguments} -o a.exr --threads 1"));
@@ -237,7 +219,7 @@ fn interrupted_chart_says_what_it_leaves() {
 #[test]
 fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
     let desk = Desk::new();
-    put_endless_paths(&desk, 20_000);
+    desk.put_endless_paths(20_000);
     let line = "bench builtin:three endless.json --size 64x36 --frames 1 --threads 1 --bounces 1024";
     let running = Running::start(&desk, line);
     running.printed.wait_for("\nbuiltin:three");

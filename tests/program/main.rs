@@ -1,6 +1,8 @@
 //! The command line has manners: what it refuses, how it says so, and that it never panics or leaves half a
 //! file.
 
+#[path = "../common/folder.rs"]
+mod folder;
 #[path = "../common/openexr.rs"]
 mod openexr;
 #[path = "../common/program.rs"]

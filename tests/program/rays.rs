@@ -1,11 +1,8 @@
 //! `octray rays`: what its report holds, and the files it writes for other programs.
 
-use crate::desk::{Desk, assert_fits};
+use crate::desk::{Desk, SCENE, assert_fits, list, number};
 use octray::lane::NATIVE_WIDTH;
-use predicates::prelude::*;
-use predicates::str::contains;
 use serde_json::{Value, json};
-use std::fs;
 
 /// A sphere that hides part of a triangle.
 const MIXED: &str = r#"{
@@ -14,8 +11,8 @@ const MIXED: &str = r#"{
   "triangles": [ { "vertices": [[-9, -1, -9], [-9, -1, 9], [9, -1, 0]] } ]
 }"#;
 
-fn results(report: &Value) -> &Vec<Value> {
-    report["results"].as_array().unwrap()
+fn results(report: &Value) -> &[Value] {
+    list(&report["results"])
 }
 
 fn whole(value: &Value) -> u64 {
@@ -30,7 +27,7 @@ struct Columns {
 
 impl Columns {
     fn read(desk: &Desk, name: &str, magic: &[u8; 8], columns: usize) -> Self {
-        let bytes = fs::read(desk.path(name)).unwrap();
+        let bytes = desk.bytes(name);
         assert_eq!(&bytes[..8], magic, "{name}");
         let count = u64::from_le_bytes(bytes[8..16].try_into().unwrap()) as usize;
         assert_eq!(bytes.len(), 16 + 4 * columns * count, "{name}");
@@ -51,43 +48,27 @@ impl Columns {
 #[test]
 fn rays_reports_every_kind_and_way_in_json() {
     let desk = Desk::new();
-    let arguments = "rays builtin:knot:2000 --size 64x48 --threads 1 --passes 2 --json";
-    let report = desk.json(&arguments.split(' ').collect::<Vec<_>>());
+    let report = desk.json("rays builtin:knot:2000 --size 64x48 --threads 1 --passes 2");
     assert_eq!(report["schema"], "octray-rays-1");
     assert_eq!(report["scene"], "builtin:knot:2000");
     assert_eq!(report["spheres"], 0);
     assert!(whole(&report["triangles"]).abs_diff(2_000) < 40, "{report}");
-    assert!(report["build_ms"].as_f64().unwrap() > 0.0 && whole(&report["bvh_bytes"]) > 2_000, "{report}");
+    assert!(number(&report["build_ms"]) > 0.0 && whole(&report["bvh_bytes"]) > 2_000, "{report}");
     assert!(report["machine"]["cpu"].is_string() && report["tree"]["wide_nodes"].is_u64(), "{report}");
     assert_eq!(json!([report["fault"], report["left_out"]]), json!([null, []]));
 
-    let names: Vec<Value> = results(&report)
-        .iter()
-        .map(|result| json!([result["kind"], result["traversal"], result["lanes"]]))
-        .collect();
+    let name = |result: &Value| json!([result["kind"], result["traversal"], result["lanes"]]);
     let mut expected = Vec::new();
     for kind in ["primary", "shadow", "diffuse"] {
-        let native = NATIVE_WIDTH;
-        for (way, lanes) in [
-            ("scalar", 1),
-            ("single", native),
-            ("packet", native),
-            ("stream", native),
-            ("hybrid", native),
-            ("linear", native),
-        ] {
-            if way != "packet" || kind == "primary" {
-                expected.push(json!([kind, way, lanes]));
-            }
-        }
+        expected.push(json!([kind, "scalar", 1]));
+        let ways = ["single", "packet", "stream", "hybrid", "linear"].into_iter();
+        let ways = ways.filter(|&way| way != "packet" || kind == "primary");
+        expected.extend(ways.map(|way| json!([kind, way, NATIVE_WIDTH])));
     }
-    assert_eq!(names, expected);
+    assert_eq!(results(&report).iter().map(name).collect::<Vec<_>>(), expected);
     let hits = |kind: &str| {
-        let hits: Vec<&Value> = results(&report)
-            .iter()
-            .filter(|result| result["kind"] == kind)
-            .map(|result| &result["hits"])
-            .collect();
+        let of_kind = results(&report).iter().filter(|result| result["kind"] == kind);
+        let hits: Vec<&Value> = of_kind.map(|result| &result["hits"]).collect();
         assert!(hits.iter().all(|&count| count == hits[0]), "{kind}: {hits:?}");
         whole(hits[0])
     };
@@ -100,9 +81,8 @@ fn rays_reports_every_kind_and_way_in_json() {
         let rays = if result["kind"] == "primary" { 64 * 48 } else { primary };
         assert_eq!(json!([result["threads"], result["rays"]]), json!([1, rays]), "{result}");
         assert_eq!(json!([result["passes"], result["disagreements"]]), json!([2, 0]), "{result}");
-        let [rate, low, high] =
-            [&result["mrays_per_s"], &result["mrays_per_s_spread"][0], &result["mrays_per_s_spread"][1]]
-                .map(|rate| rate.as_f64().unwrap());
+        let spread = &result["mrays_per_s_spread"];
+        let [rate, low, high] = [&result["mrays_per_s"], &spread[0], &spread[1]].map(number);
         assert!(0.0 < low && low <= rate && rate <= high, "{result}");
     }
 }
@@ -110,15 +90,13 @@ fn rays_reports_every_kind_and_way_in_json() {
 #[test]
 fn rays_measures_the_way_and_threads_asked_for() {
     let desk = Desk::new();
-    let arguments = ["rays", "model.obj", "--size", "17x9", "--passes", "1", "--json"];
-    for (way, threads, kinds) in [("stream", "2", 3), ("packet", "1", 1), ("linear", "3", 3)] {
-        let report = desk.json(&[&arguments[..], &["--traversal", way, "--threads", threads]].concat());
+    for (way, threads, kinds) in [("stream", 2, 3), ("packet", 1, 1), ("linear", 3, 3)] {
+        let own = format!("--traversal {way} --threads {threads}");
+        let report = desk.json(&format!("rays model.obj --size 17x9 --passes 1 {own}"));
         assert_eq!(results(&report).len(), kinds, "{report}");
-        assert!(results(&report).iter().all(|result| result["traversal"] == way), "{report}");
-        assert!(
-            results(&report).iter().all(|result| result["threads"] == threads.parse::<u64>().unwrap()),
-            "{report}"
-        );
+        for result in results(&report) {
+            assert!(result["traversal"] == way && result["threads"] == threads, "{result}");
+        }
     }
 }
 
@@ -128,8 +106,7 @@ fn rays_of_odd_sizes_and_scenes_with_spheres_agree_in_every_way() {
     desk.write("mixed.json", MIXED);
     for scene in ["scene.json", "mixed.json", "builtin:cornell-spheres"] {
         for size in ["1x1", "7x3", "33x17", "250x5"] {
-            let report =
-                desk.json(&["rays", scene, "--size", size, "--passes", "1", "--threads", "2", "--json"]);
+            let report = desk.json(&format!("rays {scene} --size {size} --passes 1 --threads 2"));
             let (width, height) = size.split_once('x').unwrap();
             let pixels: u64 = width.parse::<u64>().unwrap() * height.parse::<u64>().unwrap();
             assert_eq!(results(&report)[0]["rays"], pixels, "{scene} {size}");
@@ -141,43 +118,29 @@ fn rays_of_odd_sizes_and_scenes_with_spheres_agree_in_every_way() {
 #[test]
 fn rays_leaves_out_what_would_take_too_long_and_says_so() {
     let desk = Desk::new();
-    let arguments = "rays builtin:terrain:20000 --size 200x200 --passes 1 --threads 1 --traversal linear";
-    let arguments: Vec<&str> = arguments.split(' ').collect();
-    desk.octray(&arguments).assert().success().stdout(contains("primary rays would take too long"));
+    let line = "rays builtin:terrain:20000 --size 200x200 --passes 1 --threads 1 --traversal linear";
+    let printed = desk.run(line);
+    assert!(printed.contains("primary rays would take too long"), "{printed}");
 }
 
 #[test]
 fn rays_prints_a_row_a_way_and_what_it_means() {
     let desk = Desk::new();
-    let arguments = ["rays", "builtin:knot:2000", "--size", "16x16", "--passes", "1", "--stats"];
-    let shown = desk.octray(&arguments).assert().success();
-    let shown = shown.stdout(contains("\nprimary ").and(contains("Mray/s")).and(contains("bit by bit")));
+    let printed = desk.run("rays builtin:knot:2000 --size 16x16 --passes 1 --stats");
+    for words in ["\nprimary ", "Mray/s", "bit by bit"] {
+        assert!(printed.contains(words), "{words} is not in {printed}");
+    }
     // The first line names the machine.
-    assert_fits(String::from_utf8_lossy(&shown.get_output().stdout).split_once('\n').unwrap().1);
+    assert_fits(printed.split_once('\n').unwrap().1);
 }
 
 #[test]
 fn dump_holds_the_rays_and_hits_that_the_report_counts() {
     let desk = Desk::new();
     desk.write("mixed.json", MIXED);
-    let arguments = [
-        "rays",
-        "mixed.json",
-        "--size",
-        "50x30",
-        "--passes",
-        "1",
-        "--threads",
-        "1",
-        "--json",
-        "--dump",
-        "a/b",
-    ];
-    let report = desk.json(&arguments);
-    let mut names: Vec<_> =
-        fs::read_dir(desk.path("a/b")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    names.sort();
-    assert_eq!(names, ["diffuse.rays", "primary.rays", "shadow.rays", "triangles.bin"]);
+    let line = "rays mixed.json --size 50x30 --passes 1 --threads 1 --dump a/b";
+    let report = desk.json(line);
+    assert_eq!(desk.names_in("a/b"), ["diffuse.rays", "primary.rays", "shadow.rays", "triangles.bin"]);
 
     let triangles = Columns::read(&desk, "a/b/triangles.bin", b"OCTRITR1", 9);
     assert_eq!(triangles.count, 1);
@@ -211,42 +174,41 @@ fn dump_holds_the_rays_and_hits_that_the_report_counts() {
         }
     }
     // The same again, in place of the files that are there.
-    let before = fs::read(desk.path("a/b/shadow.rays")).unwrap();
-    desk.json(&arguments);
-    assert_eq!(fs::read(desk.path("a/b/shadow.rays")).unwrap(), before);
-    desk.json(&[&arguments[..], &["--seed", "1"]].concat());
-    assert_ne!(fs::read(desk.path("a/b/shadow.rays")).unwrap(), before);
+    let before = desk.bytes("a/b/shadow.rays");
+    desk.run(line);
+    assert_eq!(desk.bytes("a/b/shadow.rays"), before);
+    desk.run(&format!("{line} --seed 1"));
+    assert_ne!(desk.bytes("a/b/shadow.rays"), before);
 }
 
 #[test]
 fn what_rays_cannot_use_is_refused() {
     let desk = Desk::new();
-    fs::write(desk.path("file"), "").unwrap();
+    desk.write("file", "");
     for (arguments, words) in [
-        (&["scene.json", "--traversal", "zigzag"][..], &["zigzag", "hybrid"][..]),
-        (&["scene.json", "--dump", "file"], &["cannot make the folder `file`", "because: "]),
-        (&["scene.json", "--dump", "file/folder"], &["cannot make the folder `file/folder`", "because: "]),
-        (&["nowhere.json", "--dump", "folder"], &["nowhere.json"]),
-        (&["scene.json", "--size", "0x5"], &["--size", "from 1 to 16,384"]),
-        (&["scene.json", "--size", "4096x4096"], &["'4096x4096' for '--size", "at most 8,388,608 pixels"]),
-        (&["scene.json", "--passes", "0"], &["--passes", "from 1 to"]),
-        (&["scene.json", "--threads", "0"], &["--threads", "from 1 to 1,024"]),
-        (&["scene.json", "--seed", "-1"], &["--seed", "from 0 to"]),
-        (&["builtin:knot:1"], &["`builtin:knot:1`: 1 is out of range", "from 2 to 4,000,000"]),
-        (&["builtin:terrain:99999999999"], &["99999999999 is out of range", "from 2 to 4,000,000"]),
-        (&["builtin:knott:5"], &["did you mean `builtin:knot:5`?"]),
-        (&["knot:100"], &["did you mean `builtin:knot:100`?"]),
-        (&["builtin:terrain"], &["builtin:terrain:N"]),
-        (&[], &["SCENE"]),
+        ("scene.json --traversal zigzag", &["zigzag", "hybrid"][..]),
+        ("scene.json --dump file", &["cannot make the folder `file`", "because: "]),
+        ("scene.json --dump file/folder", &["cannot make the folder `file/folder`", "because: "]),
+        ("nowhere.json --dump folder", &["nowhere.json"]),
+        ("scene.json --size 0x5", &["--size", "from 1 to 16,384"]),
+        ("scene.json --size 4096x4096", &["'4096x4096' for '--size", "at most 8,388,608 pixels"]),
+        ("scene.json --passes 0", &["--passes", "from 1 to"]),
+        ("scene.json --threads 0", &["--threads", "from 1 to 1,024"]),
+        ("scene.json --seed -1", &["--seed", "from 0 to"]),
+        ("builtin:knot:1", &["`builtin:knot:1`: 1 is out of range", "from 2 to 4,000,000"]),
+        ("builtin:terrain:99999999999", &["99999999999 is out of range", "from 2 to 4,000,000"]),
+        ("builtin:knott:5", &["did you mean `builtin:knot:5`?"]),
+        ("knot:100", &["did you mean `builtin:knot:100`?"]),
+        ("builtin:terrain", &["builtin:terrain:N"]),
+        ("", &["SCENE"]),
     ] {
-        desk.refuses(&[&["rays"], arguments].concat(), words);
+        desk.refuses(&format!("rays {arguments}"), words);
     }
     // Too small for where it stands: every camera's position is rounded to what it looks at.
-    desk.write("speck.json", &crate::desk::SCENE.replace("\"center\": [0, 0, 0], \"radius\": 1", SPECK));
-    desk.refuses(&["rays", "speck.json"], &["no camera can stand beside it"]);
+    let speck = r#""center": [1000000, 0, 1000000], "radius": 0.001"#;
+    desk.write("speck.json", SCENE.replace(r#""center": [0, 0, 0], "radius": 1"#, speck));
+    desk.refuses("rays speck.json", &["no camera can stand beside it"]);
 }
-
-const SPECK: &str = "\"center\": [1000000, 0, 1000000], \"radius\": 0.001";
 
 #[test]
 fn meshes_made_by_rule_are_scenes() {
@@ -254,5 +216,5 @@ fn meshes_made_by_rule_are_scenes() {
     for name in ["builtin:terrain:300", "builtin:knot:300"] {
         desk.render_small(name);
     }
-    desk.refuses(&["inspect", "builtin:knob:300"], &["terrain:N", "knot:N"]);
+    desk.refuses("inspect builtin:knob:300", &["terrain:N", "knot:N"]);
 }

@@ -4,24 +4,18 @@ use crate::desk::Desk;
 use octray::lane::NATIVE_WIDTH;
 use predicates::prelude::*;
 use predicates::str::contains;
-use std::fs;
 
 #[test]
 fn render_writes_the_file_and_says_so_in_a_line() {
     let desk = Desk::new();
-    let rendered = desk.octray(&["render", "scene.json", "-o", "a.png", "--samples", "3"]).assert().success();
+    let rendered = desk.octray("render scene.json -o a.png --samples 3").assert().success();
     rendered.stderr(contains("error").not()).stdout(
         predicate::str::is_match(r"^a\.png: 8×8, 3 samples, \d+\.\d\d s, \d+\.\d+ Mray/s\n$").unwrap(),
     );
     assert_eq!(desk.names(), ["a.png", "model.obj", "scene.json"]);
-    desk.octray(&["render", "scene.json", "-o", "a.png", "--samples", "1", "--size", "5×4"])
-        .assert()
-        .success();
-    assert_eq!(
-        image::image_dimensions(desk.path("a.png")).unwrap(),
-        (5, 4),
-        "the second file replaces the first"
-    );
+    desk.run("render scene.json -o a.png --samples 1 --size 5×4");
+    let size = image::image_dimensions(desk.path("a.png")).unwrap();
+    assert_eq!(size, (5, 4), "the second file replaces the first");
 }
 
 #[test]
@@ -29,8 +23,7 @@ fn render_writes_every_format_at_the_smallest_and_at_odd_sizes() {
     let desk = Desk::new();
     for (size, dimensions) in [("1x1", (1, 1)), ("9x1", (9, 1)), ("1x9", (1, 9)), ("17x13", (17, 13))] {
         for name in ["a.png", "a.jpg", "a.exr", "a.hdr"] {
-            let arguments = ["render", "scene.json", "-o", name, "--samples", "1", "--size", size];
-            desk.octray(&arguments).assert().success();
+            desk.run(&format!("render scene.json -o {name} --samples 1 --size {size}"));
             let found = match name {
                 "a.exr" => {
                     let (width, height, _) = crate::openexr::read(&desk.path(name));
@@ -46,11 +39,8 @@ fn render_writes_every_format_at_the_smallest_and_at_odd_sizes() {
 #[test]
 fn render_reports_in_json_what_it_did() {
     let desk = Desk::new();
-    let arguments =
-        "render scene.json -o a.exr --samples 2 --size 4x3 --bounces 1 --seed 7 --threads 1 --lanes 1 --json";
-    let arguments: Vec<&str> = arguments.split(' ').collect();
-    let output = desk.octray(&arguments).assert().success().get_output().stdout.clone();
-    let report: serde_json::Value = serde_json::from_slice(&output).unwrap();
+    let options = "--samples 2 --size 4x3 --bounces 1 --seed 7 --threads 1 --lanes 1";
+    let report = desk.json(&format!("render scene.json -o a.exr {options}"));
     for (key, value) in [
         ("width", 4),
         ("height", 3),
@@ -78,23 +68,17 @@ fn render_reports_in_json_what_it_did() {
 #[test]
 fn render_warns_where_exposure_has_no_effect() {
     let desk = Desk::new();
-    let render = |output, extra: &[&str]| {
-        let arguments = [&["render", "scene.json", "--samples", "1", "-o", output], extra].concat();
-        String::from_utf8(desk.octray(&arguments).assert().success().get_output().stderr.clone()).unwrap()
-    };
-    assert!(
-        render("a.exr", &["--exposure", "-1"])
-            .contains("warning: --exposure and --tone have no effect on a.exr")
-    );
-    assert!(render("a.hdr", &["--tone", "aces"]).contains("no effect on a.hdr"));
-    assert!(!render("a.exr", &[]).contains("no effect"));
-    assert!(!render("a.png", &["--exposure", "-1.5", "--tone", "reinhard"]).contains("no effect"));
+    let said = |options: &str| desk.warnings(&format!("render scene.json --samples 1 -o {options}"));
+    assert!(said("a.exr --exposure -1").contains("warning: --exposure and --tone have no effect on a.exr"));
+    assert!(said("a.hdr --tone aces").contains("no effect on a.hdr"));
+    assert!(!said("a.exr").contains("no effect"));
+    assert!(!said("a.png --exposure -1.5 --tone reinhard").contains("no effect"));
 }
 
 #[test]
 fn render_shows_the_scene() {
     let desk = Desk::new();
-    let report = desk.json(&["render", "scene.json", "-o", "a.exr", "--samples", "4", "--json"]);
+    let report = desk.json("render scene.json -o a.exr --samples 4");
     // A primary ray a sample, at least, and one more from the sphere in the middle.
     assert!(report["rays"].as_u64().unwrap() > 8 * 8 * 4, "{report}");
     assert_eq!(report["discarded_samples"], 0);
@@ -112,9 +96,7 @@ fn render_shows_the_scene() {
 fn lanes_and_threads_change_no_bit_of_the_file() {
     let desk = Desk::new();
     let render = |scene: &str, options: &str| {
-        let arguments = format!("render {scene} -o a.exr --samples 3 --size 37x21 {options}");
-        desk.octray(&arguments.split(' ').collect::<Vec<_>>()).assert().success();
-        fs::read(desk.path("a.exr")).unwrap()
+        desk.rendered(&format!("{scene} --samples 3 --size 37x21 {options}"), "a.exr")
     };
     for scene in ["scene.json", "builtin:spheres", "builtin:cornell"] {
         let first = render(scene, "--lanes 8 --threads 1");
@@ -135,19 +117,16 @@ fn lanes_and_threads_change_no_bit_of_the_file() {
 #[test]
 fn clamp_cuts_bright_samples_off_and_is_told() {
     let desk = Desk::new();
-    let render = |file: &str, more: &[&str]| {
-        let plain = ["render", "builtin:cornell", "-o", file, "--samples", "4", "--size", "24x16", "--json"];
-        desk.json(&[&plain, more].concat())
-    };
-    assert!(render("plain.exr", &[])["clamp"].is_null(), "no limit by default");
-    assert_eq!(render("clamped.exr", &["--clamp", "0.5"])["clamp"], 0.5);
+    let line = "render builtin:cornell --samples 4 --size 24x16";
+    assert!(desk.json(&format!("{line} -o plain.exr"))["clamp"].is_null(), "no limit by default");
+    assert_eq!(desk.json(&format!("{line} -o clamped.exr --clamp 0.5"))["clamp"], 0.5);
     let [plain, clamped] = ["plain.exr", "clamped.exr"].map(|file| desk.pixels(file));
     assert!(clamped.iter().flatten().all(|&value| value <= 0.5));
     // What is dark in every sample stays as it is, and what is cut off is missing: a lamp is in the picture.
     assert!(plain.iter().zip(&clamped).any(|(plain, clamped)| plain == clamped && *plain != [0.0; 3]));
     assert!(plain.iter().zip(&clamped).all(|(p, c)| (0..3).all(|i| c[i] <= p[i])));
     assert!(plain.iter().flatten().any(|&value| value > 5.0));
-    desk.refuses(&["render", "scene.json", "-o", "a.png", "--clamp", "0"], &["--clamp", "above 0"]);
+    desk.refuses("render scene.json -o a.png --clamp 0", &["--clamp", "above 0"]);
 }
 
 /// The scene of the book's last balls: a hollow one of glass, a diffuse one, a metal one.
@@ -197,10 +176,12 @@ fn pictures_that_lack_light_say_why() {
         (balls(FRONT, 30.0, ""), "", "half of the picture is white"),
         (balls(FRONT, 30.0, ""), "", "try --exposure -"),
     ] {
-        fs::write(desk.path("scene.json"), text).unwrap();
-        let arguments = format!("render scene.json -o a.png --samples 4 {options}");
-        let arguments: Vec<&str> = arguments.split_whitespace().collect();
-        desk.octray(&arguments).assert().success().stderr(contains(told).and(contains("warning: ").count(1)));
+        desk.write("scene.json", &text);
+        let line = format!("render scene.json -o a.png --samples 4 {options}");
+        desk.octray(line.trim())
+            .assert()
+            .success()
+            .stderr(contains(told).and(contains("warning: ").count(1)));
     }
 }
 
@@ -219,27 +200,28 @@ fn pictures_that_are_dark_or_white_on_purpose_have_no_warning() {
         (balls(FRONT, 0.003, ""), "-o a.exr"),
         (balls(FRONT, 30.0, ""), "-o a.png --tone reinhard"),
     ] {
-        fs::write(desk.path("scene.json"), text).unwrap();
-        let arguments = format!("render scene.json --samples 4 {options}");
-        let arguments: Vec<&str> = arguments.split_whitespace().collect();
-        desk.octray(&arguments).assert().success().stderr(contains("warning").not());
+        desk.write("scene.json", &text);
+        desk.octray(&format!("render scene.json --samples 4 {options}"))
+            .assert()
+            .success()
+            .stderr(contains("warning").not());
     }
     for scene in octray::scene::builtin_names() {
-        let scene = format!("builtin:{scene}");
-        let arguments = ["render", &scene, "-o", "a.png", "--samples", "1"];
-        desk.octray(&arguments).assert().success().stderr(contains("warning").not());
+        desk.octray(&format!("render builtin:{scene} -o a.png --samples 1"))
+            .assert()
+            .success()
+            .stderr(contains("warning").not());
     }
 }
 
 #[test]
 fn warnings_are_the_same_for_any_number_of_threads() {
     let desk = Desk::new();
-    fs::write(desk.path("scene.json"), balls(FRONT, 1.0, HOLLOW)).unwrap();
+    desk.write("scene.json", &balls(FRONT, 1.0, HOLLOW));
     let told = |threads, lanes| {
-        let arguments =
-            ["render", "scene.json", "-o", "a.png", "--samples", "2", "--threads", threads, "--lanes", lanes];
-        desk.octray(&arguments).assert().success().get_output().stderr.clone()
+        let line = format!("render scene.json -o a.png --samples 2 --threads {threads} --lanes {lanes}");
+        desk.octray(&line).assert().success().get_output().stderr.clone()
     };
-    assert!(!told("1", "1").is_empty());
-    assert_eq!(told("1", "1"), told("3", "8"));
+    assert!(!told(1, 1).is_empty());
+    assert_eq!(told(1, 1), told(3, 8));
 }

@@ -3,44 +3,18 @@
 //! Skipped, saying so, where no browser is installed (Chromium or Chrome; `OCTRAY_BROWSER` names another of
 //! their family).
 
-use octray::machine::Machine;
+use crate::chart::SMALL;
+use crate::desk::{Desk, list};
 use octray::measure::chart::configurations::{GROUPS, of_scene};
-use octray::measure::chart::{Plan, kernels};
 use octray::measure::stability::methods::MEANINGS;
-use octray::report::chart::{Chart, SCHEMA};
-use octray::report::page::page;
+use octray::render::Settings;
+use octray::scene::load;
+use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
 
 const BROWSERS: [&str; 5] =
     ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome-headless-shell"];
-
-/// A small chart of one scene, whatever its figures are worth.
-fn chart() -> Chart {
-    let scene = octray::scene::load("builtin:three").unwrap();
-    let plan = Plan {
-        size: [16, 9],
-        max_bounces: 2,
-        seeds: 8,
-        threads: 1,
-        start: Instant::now(),
-        time: Duration::from_millis(500),
-        budget: Duration::from_millis(500),
-    };
-    let truth = plan.ground_truth(&scene);
-    let scenes = vec![plan.chart(&scene, &truth, &|_| ())];
-    Chart {
-        schema: SCHEMA,
-        machine: Machine::current(),
-        budget_s: 0.5,
-        seconds: 0.5,
-        max_bounces: 2,
-        seeds: 8,
-        kernels: kernels::measure(Instant::now()),
-        scenes,
-    }
-}
 
 /// A browser without a window; `None` where there is none.
 fn browser() -> Option<Command> {
@@ -72,34 +46,31 @@ fn dom(file: &Path, width: u32) -> Option<String> {
     Some(String::from_utf8(output.stdout).unwrap())
 }
 
-#[test]
-fn page_stands_alone_and_holds_all_figures_and_configurations() {
-    let chart = chart();
-    let page = page(&chart);
+/// The page needs nothing beside it, and explains what it shows of a scene.
+pub fn assert_stands_alone(page: &str, report: &Value, scene: &str) {
     for outside in ["src=", "href=", "url(", "<script", "@import", "<link"] {
         assert!(!page.contains(outside), "{outside}");
     }
-    assert_eq!(
-        page.matches("<svg ").count(),
-        6 + 3,
-        "three measures, frames, display and motion; three families of methods"
-    );
-    let scene = octray::scene::load("builtin:three").unwrap();
-    for one in of_scene(&scene, octray::render::Settings::of(&scene)) {
+    let drawings = "three measures, frames, display and motion; three families of methods";
+    assert_eq!(page.matches("<svg ").count(), 6 + 3, "{drawings}");
+    let scene = load(scene).unwrap();
+    for one in of_scene(&scene, Settings::of(&scene)) {
         assert!(page.contains(one.name), "{}", one.name);
     }
-    let shown = |name| chart.scenes[0].pictures.iter().any(|line| line.configuration == name);
+    let lines = list(&report["scenes"][0]["pictures"]);
     for (name, meaning) in GROUPS.into_iter().flat_map(|(_, named)| named) {
-        assert_eq!(page.contains(meaning), shown(*name), "{name} is explained where it is shown");
+        let shown = lines.iter().any(|line| line["configuration"] == *name);
+        assert_eq!(page.contains(meaning), shown, "{name} is explained where it is shown");
     }
-    for kernel in &chart.kernels {
-        let meaning = MEANINGS.into_iter().find(|(name, _)| *name == kernel.method).unwrap().1;
-        assert!(page.contains(meaning), "{} is explained", kernel.method);
+    for kernel in list(&report["kernels"]) {
+        let meaning = MEANINGS.into_iter().find(|(name, _)| kernel["method"] == *name).unwrap().1;
+        assert!(page.contains(meaning), "{kernel} is explained");
     }
     for word in ["relMSE", "trimmed", "FLIP", "FXAA", "dominated", "p99"] {
         assert!(page.contains(&format!("<td>{word}</td>")), "{word} is explained");
     }
-    assert!(page.contains(chart.machine.commit) && page.contains("name=\"viewport\""));
+    let commit = report["machine"]["commit"].as_str().unwrap();
+    assert!(page.contains(commit) && page.contains(r#"name="viewport""#));
 }
 
 #[test]
@@ -108,8 +79,9 @@ fn browser_shows_the_page_on_a_phone_and_prints_it() {
         println!("skipped: no browser is installed; `apt-get install chromium` gives one");
         return;
     }
-    let folder = tempfile::tempdir().unwrap();
-    let (file, pdf) = (folder.path().join("report.html"), folder.path().join("report.pdf"));
+    let desk = Desk::new();
+    desk.run(SMALL);
+    let [file, pdf] = ["new/charts/report.html", "report.pdf"].map(|name| desk.path(name));
     // The page itself runs no script; this one looks at it.
     let probe = "<script>
         const figures = [...document.querySelectorAll('figure svg')].filter(svg => svg.getBoundingClientRect().width > 0);
@@ -118,7 +90,8 @@ fn browser_shows_the_page_on_a_phone_and_prints_it() {
         text.textContent = `width ${document.documentElement.scrollWidth} of ${innerWidth}, ${figures.length} figures, narrowest ${Math.round(narrow)}`;
         document.body.append(text);
     </script>";
-    std::fs::write(&file, page(&chart()).replace("</body>", &format!("{probe}</body>"))).unwrap();
+    let page = desk.text("new/charts/report.html").replace("</body>", &format!("{probe}</body>"));
+    desk.write("new/charts/report.html", &page);
     for width in [500, 1_400] {
         let dom = dom(&file, width).unwrap();
         let (_, seen) = dom.rsplit_once("<p>width ").expect("the script has run");

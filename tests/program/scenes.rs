@@ -1,32 +1,29 @@
 //! Scenes as the command line meets them: files, models, built-in ones, faults in them, what `inspect` says
 //! of them.
 
-use crate::desk::{Desk, SCENE};
+use crate::desk::{Desk, SCENE, list, number};
 use octray::bvh::LEAF;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
-use std::fs;
 use std::path::Path;
 
 #[test]
 fn inspect_shows_what_a_scene_holds() {
     let desk = Desk::new();
-    let shown = desk.octray(&["inspect", "scene.json"]).assert().success().stderr("");
+    let shown = desk.octray("inspect scene.json").assert().success().stderr("");
     shown.stdout(
         contains("spheres     1\n").and(contains("1 diffuse")).and(contains("(-1, -1, -1) to (1, 1, 1)")),
     );
 
-    let output =
-        desk.octray(&["inspect", "scene.json", "--json"]).assert().success().get_output().stdout.clone();
-    let report: serde_json::Value = serde_json::from_slice(&output).unwrap();
+    let report = desk.json("inspect scene.json");
     assert_eq!(report["schema"], "octray-inspect-1");
     assert_eq!(report["scene"], "scene.json");
     assert_eq!((&report["spheres"], &report["triangles"]), (&1.into(), &0.into()));
     assert_eq!(report["materials"]["diffuse"], 1);
-    assert_eq!(report["resolution"], serde_json::json!([8, 8]));
-    assert_eq!(report["bounds"]["upper"], serde_json::json!([1.0, 1.0, 1.0]));
-    assert_eq!(report["warnings"], serde_json::json!([]));
+    assert_eq!(report["resolution"], json!([8, 8]));
+    assert_eq!(report["bounds"]["upper"], json!([1.0, 1.0, 1.0]));
+    assert_eq!(report["warnings"], json!([]));
 }
 
 /// A textured triangle under a gradient.
@@ -42,16 +39,16 @@ const GRADIENT: &str = r#"{
 #[test]
 fn scene_warnings_reach_standard_error() {
     let desk = Desk::new();
-    desk.write("dark.json", &SCENE.replace("[0.5, 0.7, 1.0]", "[0, 0, 0]"));
+    desk.write("dark.json", SCENE.replace("[0.5, 0.7, 1.0]", "[0, 0, 0]"));
     for command in [
-        &["render", "dark.json", "-o", "a.png", "--samples", "1"][..],
-        &["bench", "dark.json", "--frames", "1", "--size", "8x8", "--threads", "1"],
-        &["compare", "dark.json", "--samples", "1", "--size", "8x8"],
+        "render dark.json -o a.png --samples 1",
+        "bench dark.json --frames 1 --size 8x8 --threads 1",
+        "compare dark.json --samples 1 --size 8x8",
     ] {
         let said = desk.warnings(command);
-        assert!(said.contains("warning: Nothing in the scene emits light"), "{command:?}: {said}");
+        assert!(said.contains("warning: Nothing in the scene emits light"), "{command}: {said}");
     }
-    let report = desk.json(&["inspect", "dark.json", "--json"]);
+    let report = desk.json("inspect dark.json");
     assert!(report["warnings"][0].as_str().unwrap().starts_with("Nothing in the scene emits light"));
 }
 
@@ -59,22 +56,19 @@ fn scene_warnings_reach_standard_error() {
 fn faults_in_a_scene_are_refused_with_file_and_json_path() {
     let desk = Desk::new();
     for (right, wrong, place) in [
-        ("\"radius\": 1", "\"radius\": -1", "spheres[0].radius"),
-        ("\"color\": [0.8,", "\"color\": [1.8,", "materials.clay.color[0]"),
-        ("\"material\": \"clay\"", "\"material\": \"day\"", "spheres[0].material"),
-        ("\"max_bounces\"", "\"max_bounce\"", "line 5"),
-        ("\"vertical_fov\": 40", "\"vertical_fov\": \"wide\"", "camera.vertical_fov"),
+        (r#""radius": 1"#, r#""radius": -1"#, "spheres[0].radius"),
+        (r#""color": [0.8,"#, r#""color": [1.8,"#, "materials.clay.color[0]"),
+        (r#""material": "clay""#, r#""material": "day""#, "spheres[0].material"),
+        (r#""max_bounces""#, r#""max_bounce""#, "line 5"),
+        (r#""vertical_fov": 40"#, r#""vertical_fov": "wide""#, "camera.vertical_fov"),
     ] {
         assert!(SCENE.contains(right), "{right}");
-        desk.write("bad.json", &SCENE.replace(right, wrong));
-        for command in [
-            &["inspect", "bad.json"][..],
-            &["render", "bad.json", "-o", "a.png"],
-            &["compare", "bad.json", "--json"],
-            &["bench", "bad.json", "--json"],
-        ] {
-            desk.refuses(command, &["bad.json", place]);
-        }
+        desk.write("bad.json", SCENE.replace(right, wrong));
+        desk.refuses("inspect bad.json", &["bad.json", place]);
+    }
+    // The last of them.
+    for command in ["render bad.json -o a.png", "compare bad.json --json", "bench bad.json --json"] {
+        desk.refuses(command, &["bad.json", "camera.vertical_fov"]);
     }
 }
 
@@ -86,24 +80,10 @@ fn builtin_scenes_render_and_unknown_ones_list_the_names() {
         desk.render_small(&format!("builtin:{name}"));
     }
     for unknown in ["builtin:thre", "builtin:", "builtin:Three"] {
-        desk.refuses(&["render", unknown, "-o", "a.png"], &names);
+        desk.refuses(&format!("render {unknown} -o a.png"), &names);
     }
     for near in ["builtin:thre", "three"] {
-        desk.refuses(&["inspect", near], &["did you mean `builtin:three`?"]);
-    }
-}
-
-#[test]
-fn scene_files_of_the_project_load_and_render() {
-    let desk = Desk::new();
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let scenes: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "json")).collect();
-    assert!(!scenes.is_empty());
-    for scene in scenes {
-        let scene = scene.to_str().unwrap();
-        desk.render_small(scene);
-        assert_eq!(desk.json(&["inspect", scene, "--json"])["warnings"], json!([]), "{scene}");
+        desk.refuses(&format!("inspect {near}"), &["did you mean `builtin:three`?"]);
     }
 }
 
@@ -112,7 +92,7 @@ fn inspect_reports_textures_gradient_and_needs() {
     let desk = Desk::new();
     desk.put_textured_model();
     desk.write("gradient.json", GRADIENT);
-    let report = desk.json(&["inspect", "gradient.json", "--json"]);
+    let report = desk.json("inspect gradient.json");
     let sky = json!({ "type": "gradient", "bottom": [0.25, 0.5, 1.0], "top": [1.0, 0.5, 0.25] });
     assert_eq!(report["sky"], sky);
     let texture = json!({
@@ -120,25 +100,27 @@ fn inspect_reports_textures_gradient_and_needs() {
     });
     assert_eq!(report["textures"], json!([texture]));
     assert_eq!(report["materials"]["textured"], 1);
-    let needs: Vec<&Value> = report["needs"].as_array().unwrap().iter().collect();
-    assert_eq!(json!(needs), json!(["triangles", "diffuse", "textures", "sky-gradient"]));
-    desk.octray(&["inspect", "gradient.json"]).assert().success().stdout(
-        contains("models/paper.png: 2×2, nearest, 16 B")
-            .and(contains("(0.25, 0.5, 1) below to (1, 0.5, 0.25) above"))
-            .and(contains("triangles, diffuse, textures, sky-gradient\n")),
+    assert_eq!(report["needs"], json!(["triangles", "diffuse", "textures", "sky-gradient"]));
+    let says = |scene: &str, words: &[&str]| {
+        let said = inspected(&desk, scene);
+        words.iter().for_each(|words| assert!(said.contains(words), "{words} is not in {said}"));
+    };
+    says(
+        "gradient.json",
+        &["models/paper.png: 2×2, nearest, 16 B", "(0.25, 0.5, 1) below to (1, 0.5, 0.25) above"],
     );
+    says("gradient.json", &["triangles, diffuse, textures, sky-gradient\n"]);
     // A level more, of one texel.
-    desk.write("levels.json", &GRADIENT.replace("nearest", "trilinear"));
-    desk.octray(&["inspect", "levels.json"]).assert().success().stdout(
-        contains("models/paper.png: 2×2, trilinear, 20 B")
-            .and(contains("textures, bilinear, sky-gradient, levels-of-detail\n")),
+    desk.write("levels.json", GRADIENT.replace("nearest", "trilinear"));
+    says(
+        "levels.json",
+        &["models/paper.png: 2×2, trilinear, 20 B", "bilinear, sky-gradient, levels-of-detail\n"],
     );
 }
 
 /// What `inspect` says of a scene, a fact a line: on the terminal, long ones go on in lines below.
 fn inspected(desk: &Desk, scene: &str) -> String {
-    let shown = desk.octray(&["inspect", scene]).assert().success();
-    let said = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
+    let said = desk.run(&format!("inspect {scene}"));
     assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
     said.replace(&format!("\n{:12}", ""), " ")
 }
@@ -150,8 +132,8 @@ fn inspect_shows_which_way_rays_go_and_why() {
         let ball = |x: usize| json!({ "center": [3 * x, 0, 0], "radius": 1 });
         json!({ "format": "octray-1", "spheres": (0..count).map(ball).collect::<Vec<_>>() }).to_string()
     };
-    desk.write("few.json", &balls(240));
-    desk.write("many.json", &balls(241));
+    desk.write("few.json", balls(240));
+    desk.write("many.json", balls(241));
     for (scene, cost, way) in [
         ("scene.json", 1, "linear"),
         ("model.obj", 6, "linear"),
@@ -160,7 +142,7 @@ fn inspect_shows_which_way_rays_go_and_why() {
         ("many.json", 241, "hybrid"),
         ("builtin:knot:2000", 12_000, "hybrid"),
     ] {
-        let report = desk.json(&["inspect", scene, "--json"]);
+        let report = desk.json(&format!("inspect {scene}"));
         let mut traversal = report["traversal"].clone();
         let found = traversal["linear_cost"].take().as_u64().unwrap();
         assert!(found.abs_diff(cost) <= cost / 50, "{scene}: {found}");
@@ -168,7 +150,7 @@ fn inspect_shows_which_way_rays_go_and_why() {
             json!({ "primary": way, "bounces": way, "linear_cost": null, "most_linear_cost": 240 });
         assert_eq!(traversal, expected, "{scene}");
         assert_eq!(report["hierarchy"].is_null(), way == "linear", "{scene}");
-        assert_eq!(report["needs"].as_array().unwrap().contains(&json!("hierarchy")), way != "linear");
+        assert_eq!(list(&report["needs"]).contains(&json!("hierarchy")), way != "linear");
     }
     let said = inspected(&desk, "scene.json");
     assert!(said.contains("traversal   linear for primary rays, linear for bounces\n"), "{said}");
@@ -179,19 +161,17 @@ fn inspect_shows_which_way_rays_go_and_why() {
 #[test]
 fn inspect_shows_the_hierarchy_that_rays_go_through() {
     let desk = Desk::new();
-    let report = desk.json(&["inspect", "builtin:knot:2000", "--json"]);
-    let (hierarchy, triangles) = (&report["hierarchy"], report["triangles"].as_u64().unwrap());
+    let report = desk.json("inspect builtin:knot:2000");
+    let (hierarchy, triangles) = (&report["hierarchy"], number(&report["triangles"]));
     assert_eq!(hierarchy["fault"], Value::Null);
-    assert!(hierarchy["build"]["ms"].as_f64().unwrap() > 0.0, "{hierarchy}");
-    assert!(hierarchy["build"]["threads"].as_u64().unwrap() >= 1, "{hierarchy}");
-    let bytes = hierarchy["bytes"].as_u64().unwrap();
-    let each = hierarchy["bytes_per_primitive"].as_f64().unwrap();
-    assert!((each * triangles as f64 - bytes as f64).abs() < 1.0 && each > 36.0, "{hierarchy}");
+    let build = &hierarchy["build"];
+    assert!(number(&build["ms"]) > 0.0 && number(&build["threads"]) >= 1.0, "{hierarchy}");
+    let [bytes, each] = ["bytes", "bytes_per_primitive"].map(|key| number(&hierarchy[key]));
+    assert!((each * triangles - bytes).abs() < 1.0 && each > 36.0, "{hierarchy}");
     let [nodes, leaves, levels] = ["wide_nodes", "leaves", "wide_depth"].map(|key| &hierarchy["tree"][key]);
-    assert!(leaves.as_u64().unwrap() >= triangles.div_ceil(LEAF as u64), "{hierarchy}");
+    assert!(number(leaves) >= triangles / LEAF as f64, "{hierarchy}");
     // As `rays` counts them.
-    let arguments = ["builtin:knot:2000", "--json", "--size", "8x8", "--passes", "1", "--threads", "1"];
-    let rays = desk.json(&[&["rays"], &arguments[..]].concat());
+    let rays = desk.json("rays builtin:knot:2000 --size 8x8 --passes 1 --threads 1");
     assert_eq!((&rays["tree"], &rays["bvh_bytes"]), (&hierarchy["tree"], &hierarchy["bytes"]));
 
     let grouped = |number: &Value| {
@@ -216,10 +196,10 @@ fn inspect_shows_the_hierarchy_that_rays_go_through() {
 fn a_model_is_a_scene() {
     let desk = Desk::new();
     desk.render_small("model.obj");
-    let report = desk.json(&["inspect", "model.obj", "--json"]);
+    let report = desk.json("inspect model.obj");
     assert_eq!((&report["triangles"], &report["name"]), (&json!(1), &json!("model.obj")));
     desk.write("broken.obj", "v 0 0 0\nf 1 2 3\n");
-    desk.refuses(&["inspect", "broken.obj"], &["broken.obj", "line 2"]);
+    desk.refuses("inspect broken.obj", &["broken.obj", "line 2"]);
 }
 
 #[test]
@@ -231,9 +211,6 @@ fn meshes_beside_the_project_render() {
             eprintln!("skipped: there is no ../shared/meshes/{name}");
             continue;
         }
-        let mesh = mesh.to_str().unwrap();
-        let report = desk.json(&["inspect", mesh, "--json"]);
-        assert!(report["triangles"].as_u64().unwrap() > 1_000, "{name}: {report}");
-        desk.render_small(mesh);
+        desk.render_small(mesh.to_str().unwrap());
     }
 }

@@ -1,35 +1,22 @@
 //! `--stats`: tables for people, figures in JSON, and nothing of either without it.
 
-use crate::desk::{Desk, assert_fits};
+use crate::desk::{Desk, assert_fits, list, number};
 use octray::lane::NATIVE_WIDTH;
-use predicates::prelude::*;
-use predicates::str::contains;
 use serde_json::{Value, json};
-use std::fs;
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
-}
-
-fn arguments(line: &str) -> Vec<&str> {
-    line.split(' ').collect()
-}
 
 /// What holds of all figures about frames; `rays` is how many there should be.
 fn check_frames(stats: &Value, rays: f64) {
     assert_eq!(number(&stats["rays"]), rays, "{stats}");
-    let sum = |list: &str, key: &str| -> f64 {
-        stats[list].as_array().unwrap().iter().map(|entry| number(&entry[key])).sum()
-    };
+    let sum = |of: &str, key: &str| -> f64 { list(&stats[of]).iter().map(|entry| number(&entry[key])).sum() };
     assert_eq!([sum("kinds", "rays"), sum("bounces", "rays")], [rays, rays], "{stats}");
     assert!((sum("stages", "share") - 1.0).abs() < 1e-9, "{stats}");
     assert!((sum("stages", "seconds") / number(&stats["seconds"]) - 1.0).abs() < 1e-9, "{stats}");
-    for bounce in stats["bounces"].as_array().unwrap() {
+    for bounce in list(&stats["bounces"]) {
         let used = number(&bounce["lanes_in_use"]);
         assert!(0.0 < used && used <= 1.0, "{stats}");
     }
     assert_eq!(stats["bounces"][0]["rays"], stats["kinds"][0]["rays"]);
-    for kind in stats["kinds"].as_array().unwrap() {
+    for kind in list(&stats["kinds"]) {
         for what in ["boxes", "triangles", "spheres"] {
             let tests = number(&kind[what]["tests_per_ray"]) * number(&kind["rays"]);
             assert!((tests - number(&kind[what]["tests"])).abs() < 1e-6 * (1.0 + tests), "{kind}");
@@ -42,19 +29,17 @@ fn check_frames(stats: &Value, rays: f64) {
 fn render_counts_its_own_rays_and_writes_the_same_file() {
     let desk = Desk::new();
     for scene in ["scene.json", "builtin:knot:2000"] {
-        let line = format!("render {scene} --samples 3 --size 40x24 --lanes 8 --json -o");
-        let plain = desk.json(&[arguments(&line), vec!["plain.exr"]].concat());
+        let line = format!("render {scene} --samples 3 --size 40x24 --lanes 8 -o");
+        let plain = desk.json(&format!("{line} plain.exr"));
         assert_eq!(plain.get("stats"), None);
-        let counted = desk.json(&[arguments(&line), vec!["counted.exr", "--stats"]].concat());
-        assert!(fs::read(desk.path("plain.exr")).unwrap() == fs::read(desk.path("counted.exr")).unwrap());
+        let counted = desk.json(&format!("{line} counted.exr --stats"));
+        assert!(desk.bytes("plain.exr") == desk.bytes("counted.exr"));
         let stats = &counted["stats"];
         assert_eq!(stats["frames"], 3);
         assert_eq!(plain["rays"], counted["rays"]);
         check_frames(stats, number(&plain["rays"]));
-        assert_eq!(
-            stats["bounces"][0],
-            json!({ "bounce": 0, "rays": 2880, "packets": 360, "lanes_in_use": 1.0 })
-        );
+        let first = json!({ "bounce": 0, "rays": 2880, "packets": 360, "lanes_in_use": 1.0 });
+        assert_eq!(stats["bounces"][0], first);
         let boxes = number(&stats["kinds"][1]["boxes"]["tests"]);
         assert_eq!(boxes > 0.0, scene.contains("knot"), "boxes are tested where there is a hierarchy");
         let each = &stats["kinds"][1]["spheres"]["tests_per_ray"];
@@ -66,11 +51,10 @@ fn render_counts_its_own_rays_and_writes_the_same_file() {
 fn render_and_bench_print_tables_and_what_they_mean() {
     let desk = Desk::new();
     for line in [
-        "render builtin:knot:2000 -o a.png --samples 1 --size 32x32 --bounces 20 --threads 1 --stats",
-        "bench builtin:knot:2000 --frames 1 --size 32x32 --bounces 20 --threads 1 --stats",
+        "render builtin:knot:2000 -o a.png --samples 1 --size 32x32 --bounces 20 --threads 1",
+        "bench builtin:knot:2000 --frames 1 --size 32x32 --bounces 20 --threads 1",
     ] {
-        let shown = desk.octray(&arguments(line)).assert().success();
-        let said = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
+        let said = desk.run(&format!("{line} --stats"));
         for word in [
             "generate ",
             &format!("{NATIVE_WIDTH} lanes, 1 thread"),
@@ -82,21 +66,18 @@ fn render_and_bench_print_tables_and_what_they_mean() {
         }
         // The first line of `bench` names the machine.
         assert_fits(said.split_once('\n').unwrap().1);
-        let plain = desk.octray(&arguments(line.trim_end_matches(" --stats"))).assert().success();
-        plain.stdout(contains("lanes in use").not());
+        assert!(!desk.run(line).contains("lanes in use"));
     }
 }
 
 #[test]
 fn bench_counts_frames_that_it_does_not_time() {
     let desk = Desk::new();
-    let line = "bench scene.json builtin:three --frames 2 --size 16x16 --threads 1 --json";
-    let plain = desk.json(&arguments(line));
-    assert!(plain["results"].as_array().unwrap().iter().all(|result| result.get("stats").is_none()));
-    let counted = desk.json(&arguments(&format!("{line} --stats")));
-    for (result, plain) in
-        counted["results"].as_array().unwrap().iter().zip(plain["results"].as_array().unwrap())
-    {
+    let line = "bench scene.json builtin:three --frames 2 --size 16x16 --threads 1";
+    let (plain, counted) = (desk.json(line), desk.json(&format!("{line} --stats")));
+    let [plain, counted] = [&plain, &counted].map(|report| list(&report["results"]));
+    assert!(plain.iter().all(|result| result.get("stats").is_none()));
+    for (result, plain) in counted.iter().zip(plain) {
         assert_eq!(json!([result["frames"], result["rays_per_frame"]]), json!([2, plain["rays_per_frame"]]));
         let stats = &result["stats"];
         assert_eq!(json!([stats["lanes"], stats["threads"]]), json!([result["lanes"], 1]));
@@ -104,7 +85,7 @@ fn bench_counts_frames_that_it_does_not_time() {
         assert_eq!(number(&stats["kinds"][0]["rays"]), 256.0 * number(&stats["frames"]));
     }
     let same_scene = |a: &Value, b: &Value| a["scene"] == b["scene"];
-    for engines in counted["results"].as_array().unwrap().chunk_by(same_scene) {
+    for engines in counted.chunk_by(same_scene) {
         let rays = |result: &Value| json!([result["stats"]["frames"], result["stats"]["rays"]]);
         assert!(engines.len() > 1);
         assert!(engines.iter().all(|engine| rays(engine) == rays(&engines[0])), "all trace the same paths");
@@ -114,15 +95,13 @@ fn bench_counts_frames_that_it_does_not_time() {
 #[test]
 fn rays_counts_the_tests_of_every_kind_and_way_once() {
     let desk = Desk::new();
-    let line = "rays builtin:knot:2000 --size 64x48 --passes 1 --json";
-    let plain = desk.json(&arguments(line));
+    let line = "rays builtin:knot:2000 --size 64x48 --passes 1";
+    let plain = desk.json(line);
     assert_eq!(plain.get("stats"), None);
-    let of = |threads: &str| {
-        desk.json(&[arguments(line), vec!["--stats", "--threads", threads]].concat())["stats"].clone()
-    };
-    let stats = of("1");
-    assert_eq!(stats, of("3"), "threads do not change what is tested");
-    let stats = stats.as_array().unwrap();
+    let of = |threads: u32| desk.json(&format!("{line} --stats --threads {threads}"))["stats"].clone();
+    let stats = of(1);
+    assert_eq!(stats, of(3), "threads do not change what is tested");
+    let stats = list(&stats);
     assert_eq!(stats.len(), 16, "six ways for primary rays, five for the others");
     let find = |kind: &str, way: &str| {
         stats.iter().find(|entry| entry["kind"] == kind && entry["traversal"] == way).unwrap()
@@ -133,7 +112,7 @@ fn rays_counts_the_tests_of_every_kind_and_way_once() {
         let all = &find(kind, "linear")["triangles"]["tests_per_ray"];
         assert_eq!(number(all), number(&plain["triangles"]), "{kind}");
         assert_eq!(find(kind, "linear")["boxes"]["tests"], 0);
-        let of_kind = plain["results"].as_array().unwrap().iter().find(|result| result["kind"] == kind);
+        let of_kind = list(&plain["results"]).iter().find(|result| result["kind"] == kind);
         let rays = of_kind.unwrap()["rays"].as_u64().unwrap() as usize;
         let packets = rays / NATIVE_WIDTH + rays % NATIVE_WIDTH;
         assert!(kind == "primary" || !rays.is_multiple_of(NATIVE_WIDTH), "some are traced one by one");
@@ -144,8 +123,7 @@ fn rays_counts_the_tests_of_every_kind_and_way_once() {
     }
     let boxes = |way| number(&find("primary", way)["boxes"]["tests_per_ray"]);
     assert!(boxes("packet") < boxes("scalar"), "a frustum's tests are shared by the rays in it");
-    let shown = desk.octray(&arguments("rays scene.json --size 16x16 --passes 1 --stats")).assert().success();
-    shown.stdout(
-        contains("sphere tests a ray").and(contains("A test is one ray")).and(contains(" -\n").not()),
-    );
+    let printed = desk.run("rays scene.json --size 16x16 --passes 1 --stats");
+    assert!(printed.contains("sphere tests a ray") && printed.contains("A test is one ray"), "{printed}");
+    assert!(!printed.contains(" -\n"), "{printed}");
 }

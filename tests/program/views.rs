@@ -1,10 +1,9 @@
 //! Views on the command line: what they say of a still, and that an option says it louder.
 
-use crate::desk::{Desk, SCENE};
+use crate::desk::{Desk, SCENE, number};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
-use std::fs;
 
 const CAMERA: &str = r#""camera": { "position": [0.7, 0.1, 5.3], "look_at": [0.1, 0.2, 0.3], "up": [0.1, 1, 0], "vertical_fov": 33.3 }"#;
 const OPTIONS: &str = "--samples 3 --seed 4000000000 --exposure -0.7 --tone reinhard --clamp 0.61 --sphere naive \
@@ -17,11 +16,11 @@ fn view(scene: &str, more: &str) -> String {
     format!("{{\n  \"format\": \"octray-view-1\",\n  \"scene\": \"{scene}\",\n  {more}\n}}\n")
 }
 
-/// The bytes of the picture that these words render.
-fn rendered(desk: &Desk, scene: &str, options: &str, file: &str) -> Vec<u8> {
-    let words = format!("render {scene} -o {file} {options}");
-    desk.octray(&words.split_whitespace().collect::<Vec<_>>()).assert().success();
-    fs::read(desk.path(file)).unwrap()
+/// The desk's scene, seen by [`CAMERA`].
+fn moved_scene() -> String {
+    let start = SCENE.find(r#""camera""#).unwrap();
+    let line = SCENE[start..].find(",\n").unwrap();
+    SCENE.replace(&SCENE[start..start + line], CAMERA)
 }
 
 #[test]
@@ -31,136 +30,119 @@ fn view_renders_the_picture_of_the_same_options_by_hand() {
         "sphere": [ { "center": [0,0,0], "radius": 30, "color": [200, 99, 9], "roughness": 2000 } ] }"#;
     desk.write("thesis.json", thesis);
     for scene in ["scene.json", "thesis.json", "model.obj", "builtin:cornell"] {
-        let rest = format!("\"resolution\": [13, 9], \"max_bounces\": 2, {RENDER}");
-        desk.write("view.json", &view(scene, &rest));
-        let by_hand = format!("{OPTIONS} --size 13x9 --bounces 2");
-        let plain = rendered(&desk, scene, "--size 13x9", "plain.png");
+        let rest = format!(r#""resolution": [13, 9], "max_bounces": 2, {RENDER}"#);
+        desk.write("view.json", view(scene, &rest));
+        let by_hand = format!("{scene} {OPTIONS} --size 13x9 --bounces 2");
+        let plain = desk.rendered(&format!("{scene} --size 13x9"), "plain.png");
         for file in ["a.png", "a.exr"] {
-            let of_view = rendered(&desk, "view.json", "", file);
-            assert!(of_view == rendered(&desk, scene, &by_hand, file), "{scene}: {file} differs");
+            let of_view = desk.rendered("view.json", file);
+            assert!(of_view == desk.rendered(&by_hand, file), "{scene}: {file} differs");
             assert!(of_view != plain, "{scene}: nothing that the view says shows");
         }
     }
     // No option places a camera: the scene's own file does.
-    let start = SCENE.find("\"camera\"").unwrap();
-    let line = SCENE[start..].find(",\n").unwrap();
-    desk.write("moved.json", &SCENE.replace(&SCENE[start..start + line], CAMERA));
-    desk.write("shots/view.json", &view("../scene.json", CAMERA));
+    desk.write("moved.json", moved_scene());
+    desk.write("shots/view.json", view("../scene.json", CAMERA));
     let [moved, of_view, plain] = ["moved.json", "shots/view.json", "scene.json"]
-        .map(|scene| rendered(&desk, scene, "--samples 2 --size 24x16", "a.exr"));
+        .map(|scene| desk.rendered(&format!("{scene} --samples 2 --size 24x16"), "a.exr"));
     assert!(moved == of_view && moved != plain);
 }
 
 #[test]
 fn options_win_over_the_view() {
     let desk = Desk::new();
-    desk.write("view.json", &view("builtin:cornell", &format!("\"resolution\": [13, 9], {RENDER}")));
-    let report = |options: &str| -> Value {
-        let words = format!("render view.json -o a.png --json {options}");
-        desk.json(&words.split_whitespace().collect::<Vec<_>>())
-    };
+    desk.write("view.json", view("builtin:cornell", &format!(r#""resolution": [13, 9], {RENDER}"#)));
+    let report = |options: &str| desk.json(&format!("render view.json -o a.png {options}"));
+    let figures =
+        |report: &Value| ["samples", "seed", "width", "max_bounces"].map(|key| report[key].as_u64().unwrap());
     let of_view = report("");
-    for (key, value) in [
-        ("samples", json!(3)),
-        ("seed", json!(4_000_000_000_u32)),
-        ("width", json!(13)),
-        ("max_bounces", json!(4)),
-    ] {
-        assert_eq!(of_view[key], value, "{key}");
-    }
-    assert!((of_view["clamp"].as_f64().unwrap() - 0.61).abs() < 1e-7);
+    assert_eq!(figures(&of_view), [3, 4_000_000_000, 13, 4]);
+    assert!((number(&of_view["clamp"]) - 0.61).abs() < 1e-7);
     let given = report("--samples 2 --seed 7 --clamp 5 --size 8x8 --bounces 1");
-    for (key, value) in [("samples", 2), ("seed", 7), ("width", 8), ("max_bounces", 1)] {
-        assert_eq!(given[key], value, "{key}");
-    }
-    assert_eq!(given["clamp"], 5.0);
+    assert_eq!((figures(&given), &given["clamp"]), ([2, 7, 8, 1], &json!(5.0)));
     // The view's three samples do not end what another limit is to end.
     let most = report("--target-error 0.9 --time-limit 60");
-    assert!(most["samples"].as_u64().unwrap() >= 16, "{most}");
+    assert!(number(&most["samples"]) >= 16.0, "{most}");
     // All of it overruled is the scene itself.
     let all = "--samples 64 --seed 0 --exposure 0 --tone clamp --clamp 1e30 --sphere robust --triangle woop --traversal needed --lights auto \
                --sampler sobol --pipeline needed";
-    let overruled = rendered(&desk, "view.json", all, "a.png");
-    assert!(overruled == rendered(&desk, "builtin:cornell", "--size 13x9", "b.png"));
+    let overruled = desk.rendered(&format!("view.json {all}"), "a.png");
+    assert!(overruled == desk.rendered("builtin:cornell --size 13x9", "b.png"));
 }
 
 #[test]
 fn what_a_view_asks_for_and_does_not_exist_is_refused_by_every_command() {
     let desk = Desk::new();
     for (said, words) in [
-        ("\"tone\": \"sepia\"", ["`tone` cannot be `sepia`", "render.tone,", "clamp, reinhard, aces"]),
-        ("\"tone\": \"Aces\"", ["`Aces`", "render.tone,", "clamp, reinhard, aces"]),
-        ("\"sphere\": \"exact\"", ["`sphere`", "render.sphere,", "robust, naive"]),
-        ("\"triangle\": \"exact\"", ["`triangle`", "render.triangle,", "woop, moller-trumbore"]),
-        ("\"traversal\": \"fast\"", ["`traversal`", "render.traversal,", "needed, linear, scalar"]),
-        ("\"lights\": \"dim\"", ["`lights`", "render.lights,", "auto, on, power, off"]),
-        ("\"sampler\": \"halton\"", ["`sampler`", "render.sampler,", "sobol, random"]),
-        ("\"pipeline\": \"small\"", ["`pipeline`", "render.pipeline,", "needed, general"]),
-        ("\"samples\": 0", ["`samples` cannot be 0", "render.samples,", "from 1 to 16,777,216"]),
-        ("\"exposure\": 65", ["`exposure` cannot be 65", "render.exposure,", "from -64 to 64"]),
-        ("\"clamp\": -0.5", ["`clamp` cannot be -0.5", "render.clamp,", "above 0"]),
+        (r#""tone": "sepia""#, ["`tone` cannot be `sepia`", "render.tone,", "clamp, reinhard, aces"]),
+        (r#""tone": "Aces""#, ["`Aces`", "render.tone,", "clamp, reinhard, aces"]),
+        (r#""sphere": "exact""#, ["`sphere`", "render.sphere,", "robust, naive"]),
+        (r#""triangle": "exact""#, ["`triangle`", "render.triangle,", "woop, moller-trumbore"]),
+        (r#""traversal": "fast""#, ["`traversal`", "render.traversal,", "needed, linear, scalar"]),
+        (r#""lights": "dim""#, ["`lights`", "render.lights,", "auto, on, power, off"]),
+        (r#""sampler": "halton""#, ["`sampler`", "render.sampler,", "sobol, random"]),
+        (r#""pipeline": "small""#, ["`pipeline`", "render.pipeline,", "needed, general"]),
+        (r#""samples": 0"#, ["`samples` cannot be 0", "render.samples,", "from 1 to 16,777,216"]),
+        (r#""exposure": 65"#, ["`exposure` cannot be 65", "render.exposure,", "from -64 to 64"]),
+        (r#""clamp": -0.5"#, ["`clamp` cannot be -0.5", "render.clamp,", "above 0"]),
     ] {
-        desk.write("view.json", &view("scene.json", &format!("\"render\": {{ \"seed\": 1, {said} }}")));
-        for command in [
-            &["render", "view.json", "-o", "a.png"][..],
-            &["inspect", "view.json"],
-            &["compare", "scene.json", "view.json", "--json"],
-            &["bench", "view.json", "--json"],
-            &["rays", "view.json", "--json"],
-        ] {
-            desk.refuses(command, &[&words[..], &["view.json: ", "line 4, column "]].concat());
-        }
+        desk.write("view.json", view("scene.json", &format!(r#""render": {{ "seed": 1, {said} }}"#)));
+        let words = [&words[..], &["view.json: ", "line 4, column "]].concat();
+        desk.refuses("inspect view.json", &words);
+    }
+    // The last of them.
+    for command in [
+        "render view.json -o a.png",
+        "compare scene.json view.json --json",
+        "bench view.json --json",
+        "rays view.json --json",
+    ] {
+        desk.refuses(command, &["`clamp` cannot be -0.5", "view.json: ", "line 4, column "]);
     }
     // Some editors begin a file with a mark, which is no part of the text.
-    let marked = view("scene.json", "\"render\": { \"seed\": 1, \"tone\": \"sepia\" }");
-    desk.write("view.json", &format!("\u{feff}{marked}"));
-    desk.refuses(&["render", "view.json", "-o", "a.png"], &["`sepia`", "line 4, column "]);
+    let marked = view("scene.json", r#""render": { "seed": 1, "tone": "sepia" }"#);
+    desk.write("view.json", format!("\u{feff}{marked}"));
+    desk.refuses("render view.json -o a.png", &["`sepia`", "line 4, column "]);
     // An option given by hand mends no file.
-    desk.write("view.json", &view("scene.json", "\"render\": { \"tone\": \"sepia\" }"));
-    desk.refuses(&["render", "view.json", "-o", "a.png", "--tone", "aces"], &["sepia"]);
+    desk.write("view.json", view("scene.json", r#""render": { "tone": "sepia" }"#));
+    desk.refuses("render view.json -o a.png --tone aces", &["sepia"]);
 }
 
 #[test]
 fn inspect_says_that_a_scene_is_a_view_of_another() {
     let desk = Desk::new();
-    desk.write("shots/view.json", &view("../scene.json", &format!("{CAMERA}, {RENDER}")));
-    let report = desk.json(&["inspect", "shots/view.json", "--json"]);
+    desk.write("shots/view.json", view("../scene.json", &format!("{CAMERA}, {RENDER}")));
+    let report = desk.json("inspect shots/view.json");
     assert_eq!(report["view"]["of"], "../scene.json");
     assert_eq!(report["view"]["render"]["tone"], "reinhard");
     assert_eq!((&report["name"], &report["spheres"]), (&json!("view.json"), &json!(1)));
-    desk.octray(&["inspect", "shots/view.json"]).assert().success().stdout(
+    desk.octray("inspect shots/view.json").assert().success().stdout(
         contains("scene       view.json\nview of     ../scene.json\nrender      --")
             .and(contains(" --exposure -0.7 "))
             .and(contains(" --tone reinhard "))
             .and(contains("vertical field of view 33.3°")),
     );
-    assert_eq!(desk.json(&["inspect", "scene.json", "--json"])["view"], Value::Null);
-    desk.octray(&["inspect", "scene.json"]).assert().stdout(contains("view of").not());
+    assert_eq!(desk.json("inspect scene.json")["view"], Value::Null);
+    desk.octray("inspect scene.json").assert().stdout(contains("view of").not());
 }
 
 #[test]
 fn a_views_tone_is_no_mistake_where_a_format_has_none() {
     let desk = Desk::new();
-    desk.write(
-        "view.json",
-        &view("scene.json", "\"render\": { \"samples\": 1, \"exposure\": 2, \"tone\": \"aces\" }"),
-    );
-    let warnings =
-        |options: &[&str]| desk.warnings(&[&["render", "view.json", "-o", "a.exr"], options].concat());
-    assert!(!warnings(&[]).contains("no effect"));
-    assert!(warnings(&["--tone", "aces"]).contains("no effect on a.exr"));
+    let render = r#""render": { "samples": 1, "exposure": 2, "tone": "aces" }"#;
+    desk.write("view.json", view("scene.json", render));
+    assert!(!desk.warnings("render view.json -o a.exr").contains("no effect"));
+    assert!(desk.warnings("render view.json -o a.exr --tone aces").contains("no effect on a.exr"));
 }
 
 #[test]
 fn other_commands_take_a_views_camera_and_none_of_its_options() {
     let desk = Desk::new();
-    let start = SCENE.find("\"camera\"").unwrap();
-    let line = SCENE[start..].find(",\n").unwrap();
-    desk.write("moved.json", &SCENE.replace(&SCENE[start..start + line], CAMERA));
-    desk.write("view.json", &view("scene.json", &format!("{CAMERA}, {RENDER}")));
+    desk.write("moved.json", moved_scene());
+    desk.write("view.json", view("scene.json", &format!("{CAMERA}, {RENDER}")));
     let rays = |scene: &str| {
-        let arguments = ["bench", scene, "--frames", "1", "--size", "64x64", "--json"];
-        desk.json(&arguments)["results"][0]["rays_per_frame"].clone()
+        let report = desk.json(&format!("bench {scene} --frames 1 --size 64x64"));
+        report["results"][0]["rays_per_frame"].clone()
     };
     // Another camera, seed or sampler would trace other paths, and other numbers of rays.
     assert_eq!(rays("view.json"), rays("moved.json"));

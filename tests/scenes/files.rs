@@ -1,40 +1,43 @@
 //! The native scene format: what its keys mean and what stands in for those left out.
 
-use glam::{Vec2, Vec3};
+use crate::folder::Folder;
+use glam::{Vec2, Vec3, vec2, vec3};
 use octray::scene::{Filter, MaterialKind, Scene, Sky, Texels, builtin_names, load, load_with_view};
 use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
-use tempfile::TempDir;
 
-/// Loads a scene text as a file, with whatever else stands in `folder`.
-fn load_in(folder: &TempDir, text: &str) -> Scene {
-    let path = folder.path().join("scene.json");
-    fs::write(&path, text).unwrap();
-    load(path.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"))
+/// Loads a scene of these keys as a file, with whatever else stands in `folder`.
+fn load_in(folder: &Folder, keys: &str) -> Scene {
+    let text = format!(r#"{{ "format": "octray-1", {keys} }}"#);
+    folder.load("scene.json", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn load_text(text: &str) -> Scene {
-    load_in(&TempDir::new().unwrap(), text)
+fn load_keys(keys: &str) -> Scene {
+    load_in(&Folder::new(), keys)
 }
 
-/// A picture two pixels wide and one high: red, then half grey.
-fn save_picture(path: &Path) {
-    let mut picture = image::RgbImage::new(2, 1);
-    picture.put_pixel(0, 0, image::Rgb([255, 0, 0]));
-    picture.put_pixel(1, 0, image::Rgb([128, 128, 128]));
-    picture.save(path).unwrap();
+const BALL: &str = r#""spheres": [{ "center": [0,0,0], "radius": 1 }]"#;
+
+/// A folder with a picture two pixels wide and one high: red, then half grey.
+fn folder_with(picture: &str) -> Folder {
+    let folder = Folder::new();
+    let pixels =
+        [1.0, 0.0, 0.0].into_iter().chain([if picture.ends_with("hdr") { 0.25 } else { 128.0 / 255.0 }; 3]);
+    let colors = image::Rgb32FImage::from_raw(2, 1, pixels.collect()).unwrap();
+    let path = folder.path(picture);
+    match picture.ends_with("hdr") {
+        true => colors.save(path).unwrap(),
+        false => image::DynamicImage::from(colors).to_rgb8().save(path).unwrap(),
+    }
+    folder
 }
 
 #[test]
 fn native_example_of_the_design_keeps_every_value() {
-    let folder = TempDir::new().unwrap();
-    save_picture(&folder.path().join("clay.png"));
     let scene = load_in(
-        &folder,
-        r#"{
-        "format": "octray-1",
-        "camera": { "position": [0,1,5], "look_at": [0,1,0], "up": [0,1,0], "vertical_fov": 40 },
+        &folder_with("clay.png"),
+        r#""camera": { "position": [0,1,5], "look_at": [0,1,0], "up": [0,1,0], "vertical_fov": 40 },
         "resolution": [320, 180],
         "max_bounces": 7,
         "sky": { "color": [0.5,0.7,1.0] },
@@ -46,34 +49,24 @@ fn native_example_of_the_design_keeps_every_value() {
           "lamp":   { "type": "diffuse", "color": [0,0,0], "emission": [15,14,13] }
         },
         "spheres":   [ { "center": [0,1,0], "radius": 2, "material": "old", "turn_degrees": 90 } ],
-        "triangles": [ { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "uvs": [[0,0],[1,0],[0,0.5]], "material": "clay" } ]
-    }"#,
+        "triangles": [ { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "uvs": [[0,0],[1,0],[0,0.5]], "material": "clay" } ]"#,
     );
     assert_eq!(scene.name, "scene.json");
-    assert_eq!(scene.camera.position, Vec3::new(0.0, 1.0, 5.0));
-    assert_eq!(scene.camera.look_at, Vec3::new(0.0, 1.0, 0.0));
+    assert_eq!(scene.camera.position, vec3(0.0, 1.0, 5.0));
+    assert_eq!(scene.camera.look_at, vec3(0.0, 1.0, 0.0));
     assert_eq!(scene.camera.vertical_fov, 40.0);
     assert_eq!((scene.resolution, scene.max_bounces), ([320, 180], 7));
-    assert_eq!(scene.sky, Sky::Color(Vec3::new(0.5, 0.7, 1.0)));
+    assert_eq!(scene.sky, Sky::Color(vec3(0.5, 0.7, 1.0)));
     let kinds: Vec<MaterialKind> = scene.materials.iter().map(|material| material.kind).collect();
-    assert_eq!(
-        kinds,
-        [
-            MaterialKind::Diffuse,
-            MaterialKind::Metal { roughness: 0.1 },
-            MaterialKind::Glass { ior: 1.33 },
-            MaterialKind::Scatter { roughness: 2.5 },
-            MaterialKind::Diffuse,
-        ]
-    );
+    let [metal, glass] = [MaterialKind::Metal { roughness: 0.1 }, MaterialKind::Glass { ior: 1.33 }];
+    let scatter = MaterialKind::Scatter { roughness: 2.5 };
+    assert_eq!(kinds, [MaterialKind::Diffuse, metal, glass, scatter, MaterialKind::Diffuse]);
     assert_eq!(scene.materials[2].color, Vec3::ONE);
-    assert_eq!(scene.materials[4].emission, Vec3::new(15.0, 14.0, 13.0));
-    assert_eq!(
-        (scene.spheres[0].radius, scene.spheres[0].material, scene.spheres[0].texture_turn),
-        (2.0, 3, 0.25)
-    );
+    assert_eq!(scene.materials[4].emission, vec3(15.0, 14.0, 13.0));
+    let ball = scene.spheres[0];
+    assert_eq!((ball.radius, ball.material, ball.texture_turn), (2.0, 3, 0.25));
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::Y]);
-    assert_eq!(scene.uvs, [[Vec2::ZERO, Vec2::X, Vec2::new(0.0, 0.5)]]);
+    assert_eq!(scene.uvs, [[Vec2::ZERO, Vec2::X, vec2(0.0, 0.5)]]);
     let texture = &scene.textures[scene.materials[0].texture.unwrap() as usize];
     assert_eq!((texture.width, texture.height, texture.filter), (2, 1, Filter::Nearest));
     // IEC 61966-2-1: ((128/255 + 0.055) / 1.055)^2.4 = 0.2158605.
@@ -84,15 +77,13 @@ fn native_example_of_the_design_keeps_every_value() {
 
 #[test]
 fn metal_rough_and_turned_skies_are_read() {
-    let folder = TempDir::new().unwrap();
-    image::RgbImage::new(2, 1).save(folder.path().join("p.png")).unwrap();
-    let text = r#"{ "format": "octray-1", "spheres": [{ "center": [1,2,3], "radius": 2, "material": "m" }],
+    let scene = load_in(
+        &folder_with("p.png"),
+        r#""spheres": [{ "center": [1,2,3], "radius": 2, "material": "m" }],
         "materials": { "m": { "type": "metal-rough", "emission_map": "p.png" },
                        "n": { "type": "metal-rough", "metallic": 0.25, "roughness": 0, "roughness_map": "p.png", "ior": 9 } },
-        "sky": { "texture": "p.png", "turn_degrees": -90 } }"#;
-    let path = folder.path().join("s.json");
-    fs::write(&path, text).unwrap();
-    let scene = load(path.to_str().unwrap()).unwrap();
+        "sky": { "texture": "p.png", "turn_degrees": -90 }"#,
+    );
     let [m, n] = [0, 1].map(|index: usize| &scene.materials[index]);
     assert_eq!(m.kind, MaterialKind::MetalRough { roughness: 1.0, metallic: 1.0, ior: 1.5 });
     assert_eq!((m.emission, m.emission_map.is_some(), m.color), (Vec3::ONE, true, Vec3::ONE));
@@ -102,7 +93,7 @@ fn metal_rough_and_turned_skies_are_read() {
 
 #[test]
 fn native_defaults_fill_a_scene_of_one_sphere() {
-    let scene = load_text(r#"{ "format": "octray-1", "spheres": [{ "center": [1,2,3], "radius": 2 }] }"#);
+    let scene = load_keys(r#""spheres": [{ "center": [1,2,3], "radius": 2 }]"#);
     assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
     assert_eq!(scene.sky, Sky::Color(Vec3::ONE));
     let material = &scene.materials[scene.spheres[0].material as usize];
@@ -110,19 +101,17 @@ fn native_defaults_fill_a_scene_of_one_sphere() {
     // Bounds 4 wide each way: diagonal 4 sqrt 3; the camera stands 1.2 of it away along (1, 0.5, 1.5) / sqrt
     // 3.5.
     let step = 1.2 * 4.0 * 3.0_f32.sqrt() / 3.5_f32.sqrt();
-    let expected = Vec3::new(1.0, 2.0, 3.0) + step * Vec3::new(1.0, 0.5, 1.5);
-    assert_eq!(scene.camera.look_at, Vec3::new(1.0, 2.0, 3.0));
+    let expected = vec3(1.0, 2.0, 3.0) + step * vec3(1.0, 0.5, 1.5);
+    assert_eq!(scene.camera.look_at, vec3(1.0, 2.0, 3.0));
     assert!(scene.camera.position.distance(expected) < 1e-5, "{}", scene.camera.position);
     assert_eq!((scene.camera.up, scene.camera.vertical_fov), (Vec3::Y, 40.0));
 }
 
 #[test]
 fn native_defaults_of_materials_follow_their_type() {
-    let scene = load_text(
-        r#"{ "format": "octray-1", "spheres": [{ "center": [0,0,0], "radius": 1 }], "materials": {
-        "a": { "type": "diffuse" }, "b": { "type": "metal" }, "c": { "type": "glass" },
-        "d": { "type": "scatter" }, "e": { "type": "emitter" } } }"#,
-    );
+    let materials = r#""a": { "type": "diffuse" }, "b": { "type": "metal" }, "c": { "type": "glass" },
+        "d": { "type": "scatter" }, "e": { "type": "emitter" }"#;
+    let scene = load_keys(&format!(r#"{BALL}, "materials": {{ {materials} }}"#));
     let of = |name: &str| scene.materials.iter().find(|material| material.name == name).unwrap();
     assert_eq!((of("a").kind, of("a").color), (MaterialKind::Diffuse, Vec3::splat(0.8)));
     assert_eq!((of("b").kind, of("b").color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::ONE));
@@ -134,9 +123,9 @@ fn native_defaults_of_materials_follow_their_type() {
 #[test]
 fn missing_sky_is_black_where_something_shines_and_white_elsewhere() {
     let with = |material: &str| {
-        load_text(&format!(
-            r#"{{ "format": "octray-1", "materials": {{ "m": {material}, "unused": {{ "type": "emitter" }} }},
-                "spheres": [{{ "center": [0,0,0], "radius": 1, "material": "m" }}] }}"#
+        load_keys(&format!(
+            r#""materials": {{ "m": {material}, "unused": {{ "type": "emitter" }} }},
+                "spheres": [{{ "center": [0,0,0], "radius": 1, "material": "m" }}]"#
         ))
     };
     assert_eq!(with(r#"{ "type": "diffuse", "emission": [0, 0, 1] }"#).sky, Sky::Color(Vec3::ZERO));
@@ -145,27 +134,18 @@ fn missing_sky_is_black_where_something_shines_and_white_elsewhere() {
 
 #[test]
 fn black_sky_over_nothing_that_shines_is_a_warning() {
-    let scene = load_text(
-        r#"{ "format": "octray-1", "sky": { "color": [0,0,0] }, "spheres": [{ "center": [0,0,0], "radius": 1 }] }"#,
-    );
+    let scene = load_keys(&format!(r#""sky": {{ "color": [0,0,0] }}, {BALL}"#));
     assert_eq!(scene.warnings.len(), 1);
     assert!(scene.warnings[0].contains("black"), "{:?}", scene.warnings);
 }
 
 #[test]
 fn sky_reads_gradient_and_texture() {
-    let folder = TempDir::new().unwrap();
-    crate::openexr::write(&folder.path().join("sky.exr"), 1, &[[2.0, 0.5, 0.25]]);
-    let with = |sky: &str| {
-        load_in(
-            &folder,
-            &format!(
-                r#"{{ "format": "octray-1", "sky": {sky}, "spheres": [{{ "center": [0,0,0], "radius": 1 }}] }}"#
-            ),
-        )
-    };
+    let folder = Folder::new();
+    crate::openexr::write(&folder.path("sky.exr"), 1, &[[2.0, 0.5, 0.25]]);
+    let with = |sky: &str| load_in(&folder, &format!(r#""sky": {sky}, {BALL}"#));
     let gradient = with(r#"{ "gradient": { "bottom": [1,1,1], "top": [0.5,0.7,1] } }"#);
-    assert_eq!(gradient.sky, Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) });
+    assert_eq!(gradient.sky, Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) });
     let textured = with(r#"{ "texture": "sky.exr", "color": [3,3,3] }"#);
     assert_eq!(textured.sky, Sky::Texture { texture: 0, color: Vec3::splat(3.0), turn: 0.0 });
     // An EXR holds linear light: the numbers pass as they are.
@@ -175,16 +155,12 @@ fn sky_reads_gradient_and_texture() {
 
 #[test]
 fn texture_used_twice_is_loaded_once_for_each_filter() {
-    let folder = TempDir::new().unwrap();
-    save_picture(&folder.path().join("p.png"));
-    let scene = load_in(
-        &folder,
-        r#"{ "format": "octray-1", "spheres": [{ "center": [0,0,0], "radius": 1 }], "materials": {
+    let keys = r#""materials": {
         "a": { "type": "diffuse", "texture": "p.png" }, "b": { "type": "metal", "texture": "p.png" },
         "c": { "type": "metal", "texture": "p.png", "filter": "nearest" },
         "d": { "type": "metal", "texture": "p.png", "filter": "trilinear" } },
-        "sky": { "texture": "p.png", "filter": "trilinear" } }"#,
-    );
+        "sky": { "texture": "p.png", "filter": "trilinear" }"#;
+    let scene = load_in(&folder_with("p.png"), &format!("{BALL}, {keys}"));
     let numbers: Vec<_> = scene.materials.iter().take(4).map(|material| material.texture.unwrap()).collect();
     assert_eq!(numbers, [0, 0, 1, 2]);
     let filters: Vec<_> = scene.textures.iter().map(|texture| texture.filter).collect();
@@ -194,48 +170,31 @@ fn texture_used_twice_is_loaded_once_for_each_filter() {
 
 #[test]
 fn textures_of_every_format_hold_the_same_picture() {
-    let folder = TempDir::new().unwrap();
-    for extension in ["png", "bmp", "tga", "hdr"] {
-        let path = folder.path().join(format!("p.{extension}"));
-        if extension == "hdr" {
-            let mut picture = image::Rgb32FImage::new(2, 1);
-            picture.put_pixel(0, 0, image::Rgb([1.0, 0.0, 0.0]));
-            picture.put_pixel(1, 0, image::Rgb([0.25, 0.25, 0.25]));
-            picture.save(&path).unwrap();
-        } else {
-            save_picture(&path);
-        }
-        let scene = load_in(
-            &folder,
-            &format!(
-                r#"{{ "format": "octray-1", "spheres": [{{ "center": [0,0,0], "radius": 1, "material": "m" }}],
-                    "materials": {{ "m": {{ "type": "diffuse", "texture": "p.{extension}" }} }} }}"#
-            ),
-        );
-        let second = if extension == "hdr" { 0.25 } else { 0.215_860_5 };
+    for name in ["p.png", "p.bmp", "p.tga", "p.hdr"] {
+        let material = format!(r#""m": {{ "type": "diffuse", "texture": "{name}" }}"#);
+        let scene = load_in(&folder_with(name), &format!(r#"{BALL}, "materials": {{ {material} }}"#));
+        let second = if name == "p.hdr" { 0.25 } else { 0.215_860_5 };
         let texels = &scene.textures[0].texels;
-        assert_eq!(texels.linear(0), [1.0, 0.0, 0.0], "{extension}");
-        assert!((texels.linear(1)[1] - second).abs() < 1e-7, "{extension}: {texels:?}");
+        assert_eq!(texels.linear(0), [1.0, 0.0, 0.0], "{name}");
+        assert!((texels.linear(1)[1] - second).abs() < 1e-7, "{name}: {texels:?}");
     }
 }
 
 #[test]
 fn planar_mapping_lies_in_the_plane_with_its_upper_edge_up() {
-    let folder = TempDir::new().unwrap();
-    save_picture(&folder.path().join("p.png"));
     let scene = load_in(
-        &folder,
-        r#"{ "format": "octray-1", "materials": {
+        &folder_with("p.png"),
+        r#""materials": {
           "m": { "type": "diffuse", "texture": "p.png", "texture_size": 2 }, "plain": { "type": "diffuse" } },
         "triangles": [
           { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "material": "plain" },
           { "vertices": [[1,5,1],[1,5,5],[7,5,1]], "material": "m" },
-          { "vertices": [[0,0,0],[0,4,0],[0,0,6]], "material": "m" } ] }"#,
+          { "vertices": [[0,0,0],[0,4,0],[0,0,6]], "material": "m" } ]"#,
     );
     // The first textured one lies flat: u = x/2, v = -z/2, less whole repeats so that the least is in [0, 1).
-    assert_eq!(scene.uvs[1], [Vec2::new(0.5, 2.5), Vec2::new(0.5, 0.5), Vec2::new(3.5, 2.5)]);
+    assert_eq!(scene.uvs[1], [vec2(0.5, 2.5), vec2(0.5, 0.5), vec2(3.5, 2.5)]);
     // The second stands and is seen from +x: u = -z/2, v = y/2.
-    assert_eq!(scene.uvs[2], [Vec2::new(3.0, 0.0), Vec2::new(3.0, 2.0), Vec2::new(0.0, 0.0)]);
+    assert_eq!(scene.uvs[2], [vec2(3.0, 0.0), vec2(3.0, 2.0), vec2(0.0, 0.0)]);
     assert_eq!(scene.uvs[0], [Vec2::ZERO; 3]);
 }
 
@@ -243,18 +202,13 @@ fn planar_mapping_lies_in_the_plane_with_its_upper_edge_up() {
 /// lists its vertices.
 #[test]
 fn planar_mapping_is_the_planes_and_not_the_triangles() {
-    let folder = TempDir::new().unwrap();
-    save_picture(&folder.path().join("p.png"));
     // A parallelogram on a slope, far enough out to have whole repeats to leave away.
     let [a, b, c, d] = [[10.0, 3.0, -7.0], [12.0, 4.5, -7.5], [11.5, 6.0, -9.0], [9.5, 4.5, -8.5]];
     let orders = [[a, b, c], [c, a, b], [a, c, b], [b, a, c], [a, c, d], [d, c, a]];
     let triangles = orders.map(|vertices| format!(r#"{{ "vertices": {vertices:?}, "material": "m" }}"#));
-    let text = format!(
-        r#"{{ "format": "octray-1", "materials": {{ "m": {{ "type": "diffuse", "texture": "p.png" }} }},
-        "triangles": [ {} ] }}"#,
-        triangles.join(", ")
-    );
-    let scene = load_in(&folder, &text);
+    let (material, triangles) = (r#""m": { "type": "diffuse", "texture": "p.png" }"#, triangles.join(", "));
+    let keys = format!(r#""materials": {{ {material} }}, "triangles": [ {triangles} ]"#);
+    let scene = load_in(&folder_with("p.png"), &keys);
     let mut seen: Vec<([f64; 3], Vec2)> = Vec::new();
     for (vertices, uvs) in orders.iter().zip(&scene.uvs) {
         for (&vertex, &uv) in vertices.iter().zip(uvs) {
@@ -272,44 +226,33 @@ fn planar_mapping_is_the_planes_and_not_the_triangles() {
 
 #[test]
 fn texture_coordinates_are_absent_where_no_triangle_is_textured() {
-    let scene = load_text(
-        r#"{ "format": "octray-1", "triangles": [
-        { "vertices": [[0,0,0],[1,0,0],[0,1,0]], "uvs": [[0,0],[1,0],[0,1]] } ] }"#,
-    );
-    assert!(scene.uvs.is_empty());
+    let triangle = r#"{ "vertices": [[0,0,0],[1,0,0],[0,1,0]], "uvs": [[0,0],[1,0],[0,1]] }"#;
+    assert!(load_keys(&format!(r#""triangles": [ {triangle} ]"#)).uvs.is_empty());
 }
 
 #[test]
 fn numbers_up_to_the_bound_are_accepted() {
-    let scene = load_text(
-        r#"{ "format": "octray-1", "spheres": [{ "center": [1e18, -99999999999, 1e-40], "radius": 1e-18 },
-        { "center": [0,0,0], "radius": 1e18 }], "camera": { "position": [0,0,1] } }"#,
+    let scene = load_keys(
+        r#""spheres": [{ "center": [1e18, -99999999999, 1e-40], "radius": 1e-18 },
+        { "center": [0,0,0], "radius": 1e18 }], "camera": { "position": [0,0,1] }"#,
     );
-    assert_eq!(scene.spheres[0].center, Vec3::new(1e18, -99_999_999_999.0, 1e-40));
+    assert_eq!(scene.spheres[0].center, vec3(1e18, -99_999_999_999.0, 1e-40));
     assert_eq!(scene.spheres[0].radius, 1e-18);
 }
 
 #[test]
 fn byte_order_mark_is_skipped() {
-    let scene = load_text(
-        "\u{feff}{ \"format\": \"octray-1\", \"spheres\": [{ \"center\": [0,0,0], \"radius\": 1 }] }",
-    );
-    assert_eq!(scene.spheres.len(), 1);
+    let text = format!("\u{feff}{{ \"format\": \"octray-1\", {BALL} }}");
+    assert_eq!(Folder::new().load("scene.json", text).unwrap().spheres.len(), 1);
 }
 
 #[test]
 fn turn_degrees_wraps_to_less_than_a_turn() {
     let turn = |degrees: &str| {
-        load_text(&format!(
-            r#"{{ "format": "octray-1", "spheres": [{{ "center": [0,0,0], "radius": 1, "turn_degrees": {degrees} }}] }}"#
-        ))
-        .spheres[0]
-            .texture_turn
+        let ball = BALL.replace(r#""radius": 1"#, &format!(r#""radius": 1, "turn_degrees": {degrees}"#));
+        load_keys(&ball).spheres[0].texture_turn
     };
-    assert_eq!(
-        [turn("0"), turn("360"), turn("-90"), turn("450"), turn("-1e-12")],
-        [0.0, 0.0, 0.75, 0.25, 0.0]
-    );
+    assert_eq!(["0", "360", "-90", "450", "-1e-12"].map(turn), [0.0, 0.0, 0.75, 0.25, 0.0]);
 }
 
 #[test]
@@ -338,11 +281,16 @@ fn builtin_scenes_equal_their_files_in_the_project() {
         let inside = load(&format!("builtin:{name}")).unwrap();
         let path = folder.join(format!("{name}.json"));
         let outside = load(path.to_str().unwrap()).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(inside.spheres, outside.spheres);
-        assert_eq!(inside.triangles, outside.triangles);
-        assert_eq!(inside.textures, outside.textures);
-        assert_eq!(inside.materials, outside.materials);
+        let rest = |scene: &Scene| (scene.camera, scene.resolution, scene.max_bounces, scene.sky);
+        assert_eq!(rest(&inside), rest(&outside), "{name}");
+        assert_eq!((inside.spheres, inside.triangles), (outside.spheres, outside.triangles), "{name}");
+        assert_eq!((inside.uvs, inside.normals), (outside.uvs, outside.normals), "{name}");
+        assert_eq!((inside.textures, inside.materials), (outside.textures, outside.materials), "{name}");
+        assert_eq!(inside.warnings, outside.warnings, "{name}");
     }
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|end| end == "json"));
+    assert_eq!(scenes.count(), builtin_names().count(), "every file is a scene inside the program");
 }
 
 #[test]
@@ -353,14 +301,14 @@ fn builtin_three_rests_on_a_floor_sphere_with_its_top_at_zero() {
     for ball in &scene.spheres[1..] {
         assert_eq!((ball.center.y - ball.radius, ball.radius), (0.0, 1.0));
     }
-    assert_eq!(scene.sky, Sky::Gradient { bottom: Vec3::ONE, top: Vec3::new(0.5, 0.7, 1.0) });
+    assert_eq!(scene.sky, Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) });
 }
 
 /// A change while a scene is read must be newer than this time.
 #[test]
 fn time_of_reading_is_that_before_the_first_file_is_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("model.obj");
+    let folder = Folder::new();
+    let path = folder.path("model.obj");
     let mut text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_string();
     (0..50_000).for_each(|_| text += "f 1 2 3\n");
     std::fs::write(&path, text).unwrap();

@@ -1,6 +1,7 @@
 //! Files that ask for more than they hold: refused before anything of that size is allocated. Long files are
 //! read in time that grows with their length.
 
+use crate::folder::Folder;
 use octray::film::Picture;
 use octray::scene::{Scene, SceneError, load, load_from};
 use std::cell::Cell;
@@ -8,7 +9,6 @@ use std::fs::File;
 use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 use std::rc::Rc;
-use tempfile::TempDir;
 
 /// Loads the first of these files; it may name the others.
 fn read(files: &[(&'static str, &[u8])]) -> Result<Scene, SceneError> {
@@ -30,7 +30,7 @@ fn read_counting(files: &[(&'static str, &[u8])]) -> (Result<Scene, SceneError>,
 }
 
 #[track_caller]
-fn assert_refused(files: &[(&'static str, &[u8])], what: &str, mend: &str) {
+fn refused(files: &[(&'static str, &[u8])], what: &str, mend: &str) {
     let error = read(files).expect_err("the file must be refused");
     assert!(error.what.contains(what), "what: {error}");
     assert!(error.mend.as_ref().is_some_and(|text| text.contains(mend)), "mend: {error}");
@@ -41,11 +41,11 @@ const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 #[test]
 fn deep_nesting_is_refused() {
-    for open in ["[", "{\"a\":"] {
-        let scene = format!("{{\"format\":\"octray-1\",\"camera\":{}", open.repeat(100_000));
-        assert_refused(&[("s.json", scene.as_bytes())], "", "");
-        let model = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"extras\":{}", open.repeat(100_000));
-        assert_refused(&[("m.gltf", model.as_bytes())], "", "");
+    for open in ["[", r#"{"a":"#] {
+        let scene = format!(r#"{{"format":"octray-1","camera":{}"#, open.repeat(100_000));
+        refused(&[("s.json", scene.as_bytes())], "", "");
+        let model = format!(r#"{{"asset":{{"version":"2.0"}},"extras":{}"#, open.repeat(100_000));
+        refused(&[("m.gltf", model.as_bytes())], "", "");
     }
 }
 
@@ -78,12 +78,10 @@ fn libraries_are_read_once_and_give_a_hundred_kinds_of_warnings() {
 
 #[test]
 fn materials_take_time_by_their_number() {
-    let materials: Vec<String> = (0..100_000).map(|i| format!("\"m{i}\":{{\"type\":\"glass\"}}")).collect();
-    let spheres = "[{\"center\":[0,0,0],\"radius\":1}]";
-    let scene = format!(
-        "{{\"format\":\"octray-1\",\"materials\":{{{}}},\"spheres\":{spheres}}}",
-        materials.join(",")
-    );
+    let materials: Vec<String> = (0..100_000).map(|i| format!(r#""m{i}":{{"type":"glass"}}"#)).collect();
+    let spheres = r#"[{"center":[0,0,0],"radius":1}]"#;
+    let scene =
+        format!(r#"{{"format":"octray-1","materials":{{{}}},"spheres":{spheres}}}"#, materials.join(","));
     assert_eq!(read(&[("s.json", scene.as_bytes())]).unwrap().materials.len(), 100_001);
 }
 
@@ -94,15 +92,15 @@ fn long_names_are_not_compared() {
         "{{\"format\":\"octray-1\",\"materials\":{{\"{name}\":{{\"type\":\"glass\"}}}},\
          \"spheres\":[{{\"center\":[0,0,0],\"radius\":1,\"material\":\"{name}m\"}}]}}"
     );
-    assert_refused(&[("s.json", scene.as_bytes())], "there is no material", "add it");
+    refused(&[("s.json", scene.as_bytes())], "there is no material", "add it");
 }
 
 #[test]
 fn copies_of_a_model_are_bounded_before_they_are_made() {
     let model = format!("{TRIANGLE}{}", "f 1 2 3\n".repeat(1_000));
     let text = |uses: usize| {
-        let meshes = vec!["{\"model\":\"m.obj\"}"; uses].join(",");
-        format!("{{\"format\":\"octray-1\",\"meshes\":[{meshes}]}}")
+        let meshes = vec![r#"{"model":"m.obj"}"#; uses].join(",");
+        format!(r#"{{"format":"octray-1","meshes":[{meshes}]}}"#)
     };
     let uses = |uses: usize| read_counting(&[("s.json", text(uses).as_bytes()), ("m.obj", model.as_bytes())]);
     let (scene, reads) = uses(20);
@@ -119,7 +117,7 @@ fn buffers_of_one_file_are_read_once() {
     let mut content = vec![0; 1 << 20];
     content[12..16].copy_from_slice(&1.0_f32.to_le_bytes());
     content[28..32].copy_from_slice(&1.0_f32.to_le_bytes());
-    let buffers = vec!["{\"uri\":\"m.bin\",\"byteLength\":1048576}"; 5_000].join(",");
+    let buffers = vec![r#"{"uri":"m.bin","byteLength":1048576}"#; 5_000].join(",");
     let model = format!(
         "{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{buffers}],\
          \"bufferViews\":[{{\"buffer\":4999,\"byteLength\":36}}],\
@@ -132,10 +130,10 @@ fn buffers_of_one_file_are_read_once() {
 
 /// A scene with a texture from this image file.
 #[track_caller]
-fn assert_image_refused(image: &[u8], why: &str) {
+fn image_refused(image: &[u8], why: &str) {
     let scene = "{\"format\":\"octray-1\",\"materials\":{\"m\":{\"type\":\"diffuse\",\"texture\":\"m.png\"}},\
                  \"spheres\":[{\"center\":[0,0,0],\"radius\":1,\"material\":\"m\"}]}";
-    assert_refused(&[("s.json", scene.as_bytes()), ("m.png", image)], why, "give the path of an image");
+    refused(&[("s.json", scene.as_bytes()), ("m.png", image)], why, "give the path of an image");
 }
 
 #[test]
@@ -146,12 +144,9 @@ fn images_larger_than_their_file_accounts_for_are_refused() {
         header.extend([8, 2, 0, 0, 0]);
         let sum = crc32fast::hash(&header);
         let png = [b"\x89PNG\r\n\x1a\n\0\0\0\r", &header[..], &sum.to_be_bytes()].concat();
-        assert_image_refused(
-            &[&png[..], b"\0\0\0\0IDAT\x35\xaf\x06\x1e"].concat(),
-            "the image is larger than",
-        );
+        image_refused(&[&png[..], b"\0\0\0\0IDAT\x35\xaf\x06\x1e"].concat(), "the image is larger than");
         let hdr = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n");
-        assert_image_refused(hdr.as_bytes(), "the image is larger than");
+        image_refused(hdr.as_bytes(), "the image is larger than");
     }
 }
 
@@ -163,21 +158,21 @@ fn exr_images_larger_than_their_file_accounts_for_are_refused() {
         octray_formats::openexr::write(&mut exr, &picture).unwrap();
         exr.into_inner()
     };
-    assert_image_refused(&written(70_000), "the image is larger than 65535 texels");
+    image_refused(&written(70_000), "the image is larger than 65535 texels");
     for window in [&b"displayWindow\0box2i\0"[..], b"dataWindow\0box2i\0"] {
         let mut exr = written(1);
         let at = exr.windows(window.len()).position(|bytes| bytes == window).unwrap() + window.len() + 4;
         for (corner, value) in [-100_000_i32, -100_000, 100_000, 100_000].into_iter().enumerate() {
             exr[at + 4 * corner..][..4].copy_from_slice(&value.to_le_bytes());
         }
-        assert_image_refused(&exr, "200001 × 200001 pixels are more than");
+        image_refused(&exr, "200001 × 200001 pixels are more than");
     }
 }
 
 #[test]
 fn files_larger_than_any_scene_are_refused() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.ply");
+    let folder = Folder::new();
+    let path = folder.path("m.ply");
     // Sparse: it takes no space.
     File::create(&path).unwrap().set_len((1 << 34) + 1).unwrap();
     let error = load(path.to_str().unwrap()).unwrap_err();
@@ -189,8 +184,8 @@ fn files_larger_than_any_scene_are_refused() {
 #[test]
 fn pipes_are_no_checkpoints_and_are_not_waited_for() {
     use octray_formats::checkpoint::{Checkpoint, CheckpointError, is_checkpoint};
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("pipe");
+    let folder = Folder::new();
+    let path = folder.path("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
     assert!(!is_checkpoint(&path));
     assert!(matches!(Checkpoint::open(&path), Err(CheckpointError::NotACheckpoint { .. })));

@@ -1,12 +1,13 @@
 //! Files: scenes of every format as they are read, what is refused and how, and picture files as they are
 //! written.
 
+#[path = "../common/folder.rs"]
+mod folder;
 #[path = "../common/openexr.rs"]
 mod openexr;
 
 mod errors;
 mod files;
-mod folder;
 mod gltf;
 mod hostile;
 mod obj;

@@ -1,5 +1,6 @@
 //! Picture files hold what they should, and are whole or absent.
 
+use crate::folder::Folder;
 use image::ImageDecoder;
 use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
 use octray::film::Picture;
@@ -8,7 +9,6 @@ use octray::tone::{self, Operator, Tone};
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::Path;
-use tempfile::TempDir;
 
 fn encoded(picture: &Picture, format: Format, tone: &Tone) -> Cursor<Vec<u8>> {
     let mut file = Cursor::new(Vec::new());
@@ -25,8 +25,18 @@ fn decoded(decoder: impl ImageDecoder) -> (u32, u32, Vec<u8>) {
     (width, height, bytes)
 }
 
-fn floats(bytes: &[u8]) -> Vec<f32> {
-    bytemuck::pod_collect_to_vec(bytes)
+/// A PNG file's bytes, whose size is that of the picture.
+fn png(picture: &Picture, tone: &Tone) -> Vec<u8> {
+    let (width, height, bytes) = decoded(PngDecoder::new(encoded(picture, Format::Png, tone)).unwrap());
+    assert_eq!((width, height), (picture.width, picture.height));
+    bytes
+}
+
+/// The numbers of an HDR file, whose size is that of the picture.
+fn hdr(picture: &Picture, tone: &Tone) -> Vec<f32> {
+    let (width, height, bytes) = decoded(HdrDecoder::new(encoded(picture, Format::Hdr, tone)).unwrap());
+    assert_eq!((width, height), (picture.width, picture.height));
+    bytemuck::pod_collect_to_vec(&bytes)
 }
 
 fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [f32; 3]) -> Picture {
@@ -35,24 +45,12 @@ fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [f32; 3]) -> Pic
     Picture { width, height, pixels }
 }
 
-fn names_in(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
-}
-
 #[test]
 fn png_holds_the_srgb_values_of_known_intensities() {
     // Every stored value, from the intensity that stands for it; and what is out of range.
     let gray = picture(256, 1, |x, _| [tone::srgb_decode(f64::from(x) / 255.0) as f32; 3]);
-    let (width, height, bytes) =
-        decoded(PngDecoder::new(encoded(&gray, Format::Png, &Tone::default())).unwrap());
-    assert_eq!((width, height), (256, 1));
     let expected: Vec<u8> = (0..=255).flat_map(|value| [value; 3]).collect();
-    assert_eq!(bytes, expected);
+    assert_eq!(png(&gray, &Tone::default()), expected);
 
     let odd = picture(2, 2, |x, y| match (x, y) {
         (0, 0) => [0.0, 0.5, 1.0],
@@ -60,7 +58,7 @@ fn png_holds_the_srgb_values_of_known_intensities() {
         (0, 1) => [f32::NAN, 0.001, 0.18],
         _ => [0.214_041, 0.0, 0.0],
     });
-    let (_, _, bytes) = decoded(PngDecoder::new(encoded(&odd, Format::Png, &Tone::default())).unwrap());
+    let bytes = png(&odd, &Tone::default());
     assert_eq!(bytes, [0, 188, 255, 0, 255, 255, 0, 3, 118, 127, 0, 0], "row by row from the top, red first");
 }
 
@@ -73,9 +71,8 @@ fn png_applies_exposure_and_operator() {
         (0.0, Operator::Reinhard, 0.2),
         (0.0, Operator::Aces, 0.25 * (2.51 * 0.25 + 0.03) / (0.25 * (2.43 * 0.25 + 0.59) + 0.14)),
     ] {
-        let (_, _, bytes) =
-            decoded(PngDecoder::new(encoded(&gray, Format::Png, &Tone { exposure, operator })).unwrap());
         let expected = (tone::srgb_encode(linear) * 255.0).round() as u8;
+        let bytes = png(&gray, &Tone { exposure, operator });
         assert_eq!(bytes, [expected; 3], "{operator:?} at {exposure} stops");
     }
 }
@@ -93,27 +90,14 @@ fn jpeg_holds_nearly_the_srgb_values() {
 
 #[test]
 fn exr_holds_every_bit() {
-    let special = [
-        0.0,
-        -0.0,
-        1.0,
-        -1.5,
-        f32::MIN_POSITIVE,
-        1e-42,
-        f32::MAX,
-        f32::INFINITY,
-        0.1,
-        1.0 / 3.0,
-        65_505.0,
-        1e-9,
-    ];
+    let special = [0.0, -0.0, 1.0, -1.5, 1e-42, 0.1, 1.0 / 3.0, 65_505.0, 1e-9];
+    let special = [&special[..], &[f32::MIN_POSITIVE, f32::MAX, f32::INFINITY]].concat();
     let all = picture(12, 3, |x, y| std::array::from_fn(|c| special[(x as usize + 5 * y as usize + c) % 12]));
     // Exposure is for screens: it changes nothing here.
     let tone = Tone { exposure: 3.0, operator: Operator::Aces };
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("a.exr");
-    std::fs::write(&file, encoded(&all, Format::Exr, &tone).into_inner()).unwrap();
-    let (width, height, pixels) = crate::openexr::read(&file);
+    let folder = Folder::new();
+    folder.write("a.exr", encoded(&all, Format::Exr, &tone).into_inner());
+    let (width, height, pixels) = crate::openexr::read(&folder.path("a.exr"));
     assert_eq!((width, height), (12, 3));
     let bits =
         |values: &[[f32; 3]]| values.as_flattened().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
@@ -138,16 +122,11 @@ fn hdr_holds_radiance_to_half_a_step() {
             [(y as f32 - 20.0).exp2(), (y as f32 - 20.0).exp2() * x, if y % 3 == 0 { 0.0 } else { 1.0 }]
         });
         let tone = Tone { exposure: -2.0, operator: Operator::Reinhard };
-        let (read_width, height, bytes) =
-            decoded(HdrDecoder::new(encoded(&wide, Format::Hdr, &tone)).unwrap());
-        assert_eq!((read_width, height), (width, 40));
-        for (before, after) in wide.pixels.iter().zip(floats(&bytes).chunks(3)) {
+        for (before, after) in wide.pixels.iter().zip(hdr(&wide, &tone).chunks(3)) {
             let largest = before.iter().fold(0.0_f32, |a, b| a.max(*b));
             for (before, after) in before.iter().zip(after) {
-                assert!(
-                    (before - after).abs() <= largest / 256.0,
-                    "{before} became {after} beside {largest}"
-                );
+                let off = (before - after).abs();
+                assert!(off <= largest / 256.0, "{before} became {after} beside {largest}");
             }
         }
     }
@@ -158,8 +137,7 @@ fn hdr_neither_wraps_around_nor_keeps_what_is_not_light() {
     let odd = picture(4, 1, |x, _| {
         [[1e-42, 0.0, 0.0], [f32::MAX, 1.0, 0.0], [f32::NAN, -1.0, 0.5], [f32::INFINITY; 3]][x as usize]
     });
-    let (_, _, bytes) = decoded(HdrDecoder::new(encoded(&odd, Format::Hdr, &Tone::default())).unwrap());
-    let read = floats(&bytes);
+    let read = hdr(&odd, &Tone::default());
     assert_eq!(read[..3], [0.0; 3]);
     assert!(read[3] > 1e38 && read[4] == 0.0);
     assert_eq!(read[6..9], [0.0, 0.0, 0.5]);
@@ -168,7 +146,7 @@ fn hdr_neither_wraps_around_nor_keeps_what_is_not_light() {
 
 #[test]
 fn save_writes_each_format_by_its_extension() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let small = picture(3, 2, |x, y| [x as f32, y as f32, 0.5]);
     for (name, magic) in [
         ("a.png", &b"\x89PNG"[..]),
@@ -177,15 +155,13 @@ fn save_writes_each_format_by_its_extension() {
         ("a.exr", b"\x76\x2f\x31\x01"),
         ("a.HDR", b"#?RADIANCE"),
     ] {
-        let path = folder.path().join(name);
+        let path = folder.path(name);
         save(&path, &small, &Tone::default()).unwrap();
         assert!(fs::read(&path).unwrap().starts_with(magic), "{name}");
     }
-    assert_eq!(names_in(folder.path()), ["a.HDR", "a.exr", "a.jpg", "a.png", "b.jpeg"]);
-    assert!(matches!(
-        save(&folder.path().join("a.gif"), &small, &Tone::default()),
-        Err(OutputError::UnknownFormat { .. })
-    ));
+    assert_eq!(folder.names(), ["a.HDR", "a.exr", "a.jpg", "a.png", "b.jpeg"]);
+    let unknown = save(&folder.path("a.gif"), &small, &Tone::default());
+    assert!(matches!(unknown, Err(OutputError::UnknownFormat { .. })));
 }
 
 fn half_then_fail(file: &mut impl Write) -> io::Result<()> {
@@ -196,44 +172,29 @@ fn half_then_fail(file: &mut impl Write) -> io::Result<()> {
 }
 
 #[test]
-fn a_failed_write_leaves_no_file_and_no_temporary() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("new.png");
+fn a_write_that_fails_or_panics_leaves_no_file_no_temporary_and_the_old_file_as_it_was() {
+    let folder = Folder::new();
+    let path = folder.path("new.png");
     for existing in [Existing::Replace, Existing::Keep] {
         let error = write_atomically(&path, existing, |file| half_then_fail(file)).unwrap_err();
         assert!(matches!(&error, OutputError::Write { .. }), "{error}");
-        assert_eq!(names_in(folder.path()), [""; 0]);
+        assert_eq!(folder.names(), [""; 0]);
     }
-}
+    let panics = || write_atomically(&path, Existing::Replace, |_| panic!("an encoder's bug, say"));
+    assert!(std::panic::catch_unwind(panics).is_err());
+    assert_eq!(folder.names(), [""; 0]);
 
-#[test]
-fn a_panic_while_writing_leaves_no_file_and_no_temporary() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("new.png");
-    let panicked = std::panic::catch_unwind(|| {
-        write_atomically(&path, Existing::Replace, |_| panic!("an encoder's bug, say"))
-    });
-    assert!(panicked.is_err());
-    assert_eq!(names_in(folder.path()), [""; 0]);
-}
-
-#[test]
-fn a_failed_write_leaves_the_old_file_as_it_was() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("old.png");
     fs::write(&path, "old").unwrap();
     write_atomically(&path, Existing::Replace, |file| half_then_fail(file)).unwrap_err();
-    assert_eq!(fs::read(&path).unwrap(), b"old");
-    assert_eq!(names_in(folder.path()), ["old.png"]);
+    assert_eq!((folder.bytes("new.png"), folder.names()), (b"old".to_vec(), vec!["new.png".to_string()]));
     write_atomically(&path, Existing::Replace, |file| file.write_all(b"new")).unwrap();
-    assert_eq!(fs::read(&path).unwrap(), b"new");
-    assert_eq!(names_in(folder.path()), ["old.png"]);
+    assert_eq!((folder.bytes("new.png"), folder.names()), (b"new".to_vec(), vec!["new.png".to_string()]));
 }
 
 #[test]
 fn keeping_refuses_a_file_that_is_there_or_that_appears() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("scene.json");
+    let folder = Folder::new();
+    let path = folder.path("scene.json");
     let racing = write_atomically(&path, Existing::Keep, |file| {
         fs::write(&path, "someone else's")?;
         file.write_all(b"ours")
@@ -241,41 +202,38 @@ fn keeping_refuses_a_file_that_is_there_or_that_appears() {
     assert!(matches!(racing, Err(OutputError::Exists { .. })));
     assert!(matches!(check(&path, Existing::Keep), Err(OutputError::Exists { .. })));
     assert_eq!(fs::read(&path).unwrap(), b"someone else's");
-    assert_eq!(names_in(folder.path()), ["scene.json"]);
+    assert_eq!(folder.names(), ["scene.json"]);
 }
 
 #[test]
 fn check_leaves_nothing_and_touches_nothing() {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("picture.png");
+    let folder = Folder::new();
+    let path = folder.path("picture.png");
     check(&path, Existing::Replace).unwrap();
-    assert_eq!(names_in(folder.path()), [""; 0]);
+    assert_eq!(folder.names(), [""; 0]);
     fs::write(&path, "old").unwrap();
     check(&path, Existing::Replace).unwrap();
     assert_eq!(fs::read(&path).unwrap(), b"old");
-    assert_eq!(names_in(folder.path()), ["picture.png"]);
+    assert_eq!(folder.names(), ["picture.png"]);
 }
 
 #[test]
 fn check_names_what_is_wrong_with_a_place() {
-    let folder = TempDir::new().unwrap();
-    let at = |name: &str| check(&folder.path().join(name), Existing::Replace).unwrap_err();
-    fs::write(folder.path().join("file"), "").unwrap();
-    fs::create_dir(folder.path().join("folder.png")).unwrap();
+    let folder = Folder::new();
+    let at = |name: &str| check(&folder.path(name), Existing::Replace).unwrap_err();
+    folder.write("file", "");
+    fs::create_dir(folder.path("folder.png")).unwrap();
 
     let missing = at("no/such/picture.png");
-    assert!(
-        matches!(&missing, OutputError::MissingFolder { folder, .. } if folder.ends_with("no/such")),
-        "{missing}"
-    );
-    assert!(missing.to_string().contains("mkdir -p"), "{missing}");
+    let names = matches!(&missing, OutputError::MissingFolder { folder, .. } if folder.ends_with("no/such"));
+    assert!(names && missing.to_string().contains("mkdir -p"), "{missing}");
     assert!(matches!(at("file/picture.png"), OutputError::NotAFolder { .. }));
     assert!(matches!(at("file/deeper/picture.png"), OutputError::NotAFolder { .. }));
     assert!(matches!(at("folder.png"), OutputError::IsFolder { .. }));
     assert!(matches!(at("new.png/"), OutputError::IsFolder { .. }));
     assert!(matches!(check(Path::new(".."), Existing::Replace), Err(OutputError::IsFolder { .. })));
 
-    let protected = folder.path().join("protected.png");
+    let protected = folder.path("protected.png");
     fs::write(&protected, "old").unwrap();
     let mut permissions = fs::metadata(&protected).unwrap().permissions();
     permissions.set_readonly(true);
@@ -294,8 +252,8 @@ mod unix {
 
     #[test]
     fn a_new_file_has_the_permissions_of_any_new_file() {
-        let folder = TempDir::new().unwrap();
-        let (ordinary, ours) = (folder.path().join("ordinary"), folder.path().join("ours"));
+        let folder = Folder::new();
+        let (ordinary, ours) = (folder.path("ordinary"), folder.path("ours"));
         fs::write(&ordinary, "").unwrap();
         write_atomically(&ours, Existing::Replace, |file| file.write_all(b"new")).unwrap();
         assert_eq!(mode(&ours), mode(&ordinary));
@@ -303,8 +261,8 @@ mod unix {
 
     #[test]
     fn a_replaced_file_keeps_its_permissions() {
-        let folder = TempDir::new().unwrap();
-        let path = folder.path().join("old");
+        let folder = Folder::new();
+        let path = folder.path("old");
         fs::write(&path, "old").unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         write_atomically(&path, Existing::Replace, |file| file.write_all(b"new")).unwrap();
@@ -313,36 +271,36 @@ mod unix {
 
     #[test]
     fn a_symbolic_link_stays_one_and_its_target_is_written() {
-        let folder = TempDir::new().unwrap();
-        let there = folder.path().join("there");
+        let folder = Folder::new();
+        let there = folder.path("there");
         fs::create_dir(&there).unwrap();
-        let link = folder.path().join("link.png");
+        let link = folder.path("link.png");
         symlink("there/target.png", &link).unwrap();
         for content in ["a new target", "an old target"] {
             write_atomically(&link, Existing::Replace, |file| file.write_all(content.as_bytes())).unwrap();
             assert!(link.is_symlink());
             assert_eq!(fs::read(there.join("target.png")).unwrap(), content.as_bytes());
-            assert_eq!(names_in(&there), ["target.png"]);
+            assert_eq!(fs::read_dir(&there).unwrap().count(), 1, "no other file");
         }
     }
 
     #[test]
     fn a_pipe_or_device_is_refused() {
-        let folder = TempDir::new().unwrap();
-        let link = folder.path().join("device.png");
+        let folder = Folder::new();
+        let link = folder.path("device.png");
         symlink("/dev/null", &link).unwrap();
         assert!(matches!(check(&link, Existing::Replace), Err(OutputError::NotAFile { .. })));
     }
 
     #[test]
     fn a_folder_one_may_not_write_in_is_named() {
-        let folder = TempDir::new().unwrap();
-        fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
+        let folder = Folder::new();
+        fs::set_permissions(folder.path(""), fs::Permissions::from_mode(0o555)).unwrap();
         // The superuser may write anywhere.
-        if fs::write(folder.path().join("probe"), "").is_err() {
-            let error = check(&folder.path().join("picture.png"), Existing::Replace).unwrap_err();
+        if fs::write(folder.path("probe"), "").is_err() {
+            let error = check(&folder.path("picture.png"), Existing::Replace).unwrap_err();
             assert!(matches!(&error, OutputError::FolderNotWritable { .. }), "{error}");
         }
-        fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
+        fs::set_permissions(folder.path(""), fs::Permissions::from_mode(0o755)).unwrap();
     }
 }

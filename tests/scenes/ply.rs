@@ -1,15 +1,15 @@
 //! PLY models: the three encodings, and files that lie.
 
-use glam::{Vec2, Vec3};
+use crate::folder::Folder;
+use glam::{Vec2, Vec3, vec3};
 use octray::measure::stability::Rng;
 use octray::render::{Renderer, Settings};
 use octray::scene::{Scene, Texels, load, srgb_to_linear};
 use std::fs;
-use tempfile::TempDir;
 
 fn read_bytes(content: &[u8]) -> Result<Scene, String> {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.ply");
+    let folder = Folder::new();
+    let path = folder.path("m.ply");
     fs::write(&path, content).unwrap();
     load(path.to_str().unwrap()).map_err(|error| error.to_string())
 }
@@ -67,11 +67,9 @@ fn all_encodings_give_the_same_polygons_normals_and_colours() {
     for content in encoded(header, &numbers) {
         let scene = read_bytes(&content).unwrap();
         assert_eq!(scene.triangles.len(), 4, "a fan of three, and one");
-        assert_eq!(
-            scene.triangles[1].vertices,
-            [Vec3::ZERO, Vec3::new(1.5, 1.0, 0.0), Vec3::new(0.5, 2.0, 0.0)]
-        );
-        assert!(scene.normals[0][0].abs_diff_eq(Vec3::new(0.6, 0.0, 0.8), 1e-6));
+        let second = [[0.0, 0.0, 0.0], [1.5, 1.0, 0.0], [0.5, 2.0, 0.0]].map(Vec3::from);
+        assert_eq!(scene.triangles[1].vertices, second);
+        assert!(scene.normals[0][0].abs_diff_eq(vec3(0.6, 0.0, 0.8), 1e-6));
         // The colours at the corners: the texels around them.
         let texture = &scene.textures[0];
         let at = |uv: Vec2| {
@@ -81,7 +79,7 @@ fn all_encodings_give_the_same_polygons_normals_and_colours() {
             Vec3::from_slice(&texels[(y * texture.width + x) as usize])
         };
         let grey = srgb_to_linear(128.0 / 255.0) as f32;
-        assert_eq!(scene.uvs[0].map(at), [Vec3::Z, Vec3::new(1.0, 0.0, 1.0), Vec3::new(grey, 0.0, 1.0)]);
+        assert_eq!(scene.uvs[0].map(at), [Vec3::Z, vec3(1.0, 0.0, 1.0), vec3(grey, 0.0, 1.0)]);
     }
 }
 
@@ -96,8 +94,8 @@ fn colours_are_linear_between_vertices() {
     let mut scene = read_bytes(&encoded(header, &numbers)[1]).unwrap();
     // Seen from straight above under a white sky, each colour is that of its point.
     scene.camera = octray::scene::Camera {
-        position: Vec3::new(0.5, 0.5, 10.0),
-        look_at: Vec3::new(0.5, 0.5, 0.0),
+        position: vec3(0.5, 0.5, 10.0),
+        look_at: vec3(0.5, 0.5, 0.0),
         up: Vec3::Y,
         vertical_fov: (0.05_f32).atan().to_degrees() * 2.0,
     };
@@ -112,7 +110,7 @@ fn colours_are_linear_between_vertices() {
         let at = |p: usize| (p as f32 + 0.5) / 20.0;
         let (u, v) = (at(x), 1.0 - at(y));
         let found = Vec3::from(picture.pixels[y * 20 + x]);
-        let wanted = Vec3::new(1.0 - u - v, u, v);
+        let wanted = vec3(1.0 - u - v, u, v);
         assert!(found.abs_diff_eq(wanted, 0.02), "({u}, {v}): {found}, not {wanted}");
     }
 }
@@ -124,53 +122,30 @@ fn files_that_lie_are_refused() {
     let face = "property list uchar int vertex_indices\n";
     let (ascii, little) = ("format ascii 1.0\n", "format binary_little_endian 1.0\n");
     let three = "0 0 0 1 0 0 0 1 0 ";
+    let vertices = |count: u64, more: &str, body: &str| {
+        file(&format!("{ascii}element vertex {count}\n{xyz}{more}"), body)
+    };
+    let faces = |body: &str| vertices(3, &format!("element face 1\n{face}"), body);
     let cases = [
-        (
-            file(
-                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
-                &format!("{three}3 0 1 3"),
-            ),
-            "face 0 uses vertex 3",
-        ),
-        (
-            file(
-                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
-                "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
-            ),
-            "m.ply: line 13, byte 179",
-        ),
-        (
-            file(&format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"), &format!("{three}3 0 1")),
-            "ends too early",
-        ),
-        (
-            file(
-                &format!("{ascii}element vertex 3\n{xyz}element face 1\n{face}"),
-                &format!("{three}3 0 1 -1"),
-            ),
-            "-1 is not a vertex",
-        ),
-        (file(&format!("{ascii}element vertex 3\n{xyz}"), three), "no faces"),
-        (file(&format!("{ascii}element vertex 3\n{xyz}"), "0 0 zero 1 0 0 0 1 0"), "`zero` is not a number"),
-        (file(&format!("{ascii}element vertex 3\n{xyz}"), "0 0 1e30 1 0 0 0 1 0"), "scene can hold"),
+        (faces(&format!("{three}3 0 1 3")), "face 0 uses vertex 3"),
+        (faces("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "m.ply: line 13, byte 179"),
+        (faces(&format!("{three}3 0 1")), "ends too early"),
+        (faces(&format!("{three}3 0 1 -1")), "-1 is not a vertex"),
+        (vertices(3, "", three), "no faces"),
+        (vertices(3, "", "0 0 zero 1 0 0 0 1 0"), "`zero` is not a number"),
+        (vertices(3, "", "0 0 1e30 1 0 0 0 1 0"), "scene can hold"),
+        (vertices(9_999_999_999, "", "000"), "more than the file holds"),
         (
             file(&format!("{little}element vertex 99999999999999999\n{xyz}"), "000"),
             "more than the file holds",
         ),
-        (file(&format!("{ascii}element vertex 9999999999\n{xyz}"), "000"), "more than the file holds"),
         (file(&format!("{little}element face 1\n{face}"), "\u{7f}00"), "ends too early"),
         (file(&format!("{ascii}element vertex 3\nproperty float x\n"), "0 0 0"), "without x, y and z"),
         (file(&format!("{ascii}element vertex 3\nproperty real x\n"), ""), "type of the property"),
         (file(&format!("{ascii}property float x\n"), ""), "property of no element"),
         (file("element vertex 3\n", ""), "no `format`"),
-        (
-            file(&format!("{ascii}element vertex 1\n{xyz}element vertex 1\n{xyz}"), "0 0 0 0 0 0"),
-            "a second list of vertices",
-        ),
-        (
-            file(&format!("{ascii}element vertex 1\n{xyz}property list uchar int a\n"), "0 0 0 0"),
-            "vertices with lists are not read",
-        ),
+        (vertices(1, &format!("element vertex 1\n{xyz}"), "0 0 0 0 0 0"), "a second list of vertices"),
+        (vertices(1, "property list uchar int a\n", "0 0 0 0"), "vertices with lists are not read"),
         (file("format ascii 1.0\nelement vertex -3\n", ""), "not a count"),
         (read_bytes(b"plx\n"), "not a PLY file"),
         (read_bytes(b"ply\nformat ascii 1.0\n"), "ends too early"),
@@ -199,10 +174,10 @@ fn changed_bytes_never_cause_a_panic() {
         numbers.extend([('c', 3.0), ('i', 0.0), ('i', 1.0), ('i', 2.0)]);
     }
     let mut rng = Rng(12);
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.ply");
+    let folder = Folder::new();
+    let path = folder.path("m.ply");
     for content in encoded(header, &numbers) {
-        for round in 0..700 {
+        for round in 0..250 {
             let mut changed = content.clone();
             for _ in 0..1 + round % 3 {
                 let at = rng.bits() as usize % changed.len();
@@ -219,24 +194,22 @@ fn changed_bytes_never_cause_a_panic() {
 
 #[test]
 fn placed_models_turn_their_normals_and_keep_their_coordinates() {
-    let folder = TempDir::new().unwrap();
-    image::RgbImage::new(1, 1).save(folder.path().join("p.png")).unwrap();
+    let folder = Folder::new();
+    image::RgbImage::new(1, 1).save(folder.path("p.png")).unwrap();
     let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                 property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n\
                 property float red\nproperty float green\nproperty float blue\n\
                 element face 1\nproperty list uchar int vertex_indices\nend_header\n\
                 0 0 0  1.2 0 1.6  0.25 0.125  1 0 0\n1 0 0  0 1.2 1.6  0.5 0.125  0 1 0\n\
                 0 1 0  0 -1.2 1.6  0.25 0.75  0 0 1\n3 0 1 2\n";
-    fs::write(folder.path().join("m.ply"), text).unwrap();
-    let path = folder.path().join("s.json");
+    folder.write("m.ply", text);
+    let path = folder.path("s.json");
     let scene = r#"{ "format": "octray-1", "materials": { "p": { "type": "diffuse", "texture": "p.png" } }, "meshes": [
         { "model": "m.ply", "material": "p", "scale": 2, "rotate_degrees": [0, 0, 90], "translate": [0, 0, 1] } ] }"#;
     fs::write(&path, scene).unwrap();
     let scene = load(path.to_str().unwrap()).unwrap();
-    assert_eq!(
-        scene.triangles[0].vertices,
-        [[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 1.0]].map(Vec3::from)
-    );
+    let turned = [[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 1.0]].map(Vec3::from);
+    assert_eq!(scene.triangles[0].vertices, turned);
     assert_eq!(scene.uvs[0], [[0.25, 0.125], [0.5, 0.125], [0.25, 0.75]].map(Vec2::from), "v upwards");
     for (found, wanted) in scene.normals[0].iter().zip([[0.0, 0.6, 0.8], [-0.6, 0.0, 0.8], [0.6, 0.0, 0.8]]) {
         assert!(found.abs_diff_eq(wanted.into(), 1e-6), "{found}, not {wanted:?}");
@@ -255,17 +228,8 @@ fn numbers_of_every_type_and_lists_of_other_names_have_their_place() {
         numbers.extend([('s', x), ('i', y), ('b', -3.0), ('u', 65_535.0), ('u', 257.0), ('f', 2.0)]);
     }
     // Three coordinates are no corners, and 9 is no vertex.
-    numbers.extend([
-        ('c', 3.0),
-        ('f', 0.0),
-        ('f', 1.0),
-        ('f', 2.0),
-        ('c', 9.0),
-        ('u', 3.0),
-        ('i', 0.0),
-        ('i', 1.0),
-        ('i', 2.0),
-    ]);
+    numbers.extend([('c', 3.0), ('f', 0.0), ('f', 1.0), ('f', 2.0)]);
+    numbers.extend([('c', 9.0), ('u', 3.0), ('i', 0.0), ('i', 1.0), ('i', 2.0)]);
     for content in encoded(header, &numbers) {
         let scene = read_bytes(&content).unwrap();
         let wanted =

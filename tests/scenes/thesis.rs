@@ -1,15 +1,11 @@
 //! The thesis's own scene format: its values in our axes and our units.
 
-use crate::folder::write;
-use glam::{Vec2, Vec3};
-use octray::scene::{Filter, MaterialKind, Scene, Side, Sky, load};
-use std::fs;
-use std::path::Path;
-use tempfile::TempDir;
+use crate::folder::Folder;
+use glam::{Vec3, vec2, vec3};
+use octray::scene::{Filter, MaterialKind, Scene, Side, Sky};
 
 fn load_text(text: &str) -> Scene {
-    let folder = TempDir::new().unwrap();
-    load(&write(folder.path(), "s.json", text)).unwrap_or_else(|error| panic!("{error}"))
+    Folder::new().load("s.json", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The file of the format's description, as it stands.
@@ -30,8 +26,8 @@ fn linear(x: f64) -> f32 {
 fn example_of_the_description_loads_with_one_warning() {
     let scene = load_text(EXAMPLE);
     assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
-    assert_eq!(scene.sky, Sky::Color(Vec3::new(linear(0.2), linear(0.3), linear(0.4))));
-    assert_eq!(scene.spheres[0].center, Vec3::new(0.0, -5.0, 0.0));
+    assert_eq!(scene.sky, Sky::Color(vec3(linear(0.2), linear(0.3), linear(0.4))));
+    assert_eq!(scene.spheres[0].center, vec3(0.0, -5.0, 0.0));
     assert_eq!((scene.spheres[0].radius, scene.spheres[0].texture_turn), (8.0, 0.5));
     assert_eq!(scene.spheres[0].texture_side, Side::Inside);
     let of = |number: u32| &scene.materials[number as usize];
@@ -50,14 +46,14 @@ fn example_of_the_description_loads_with_one_warning() {
 fn camera_keeps_the_old_view() {
     let scene = load_text(r#"{ "res": [400, 100], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
     let camera = scene.camera;
-    assert_eq!(camera.position, Vec3::new(-2.0, 2.5, 365.63));
+    assert_eq!(camera.position, vec3(-2.0, 2.5, 365.63));
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up);
     // Theirs: yaw -4.7, nearly along +z; x grows to the left, y downwards. Inverted: nearly along -z, right
     // +x, up +y.
     let (sin, cos) = (-4.7_f64).sin_cos();
-    assert!((forward.as_dvec3() + glam::DVec3::new(cos, 0.0, sin)).length() < 1e-6, "{forward}");
-    assert!((right.as_dvec3() - glam::DVec3::new(sin, 0.0, -cos)).length() < 1e-6, "{right}");
+    assert!((forward.as_dvec3() + glam::dvec3(cos, 0.0, sin)).length() < 1e-6, "{forward}");
+    assert!((right.as_dvec3() - glam::dvec3(sin, 0.0, -cos)).length() < 1e-6, "{right}");
     assert_eq!(camera.up, Vec3::Y);
     // Focal length 200 w / 68: half the width over it is 34/200 at any width; the height follows the aspect,
     // 1/4.
@@ -82,8 +78,8 @@ fn camera_has_the_yaw_of_the_thesis() {
     let origin = column(camera, Vec3::ZERO);
     assert!((origin + 9.77).abs() < 0.02, "a little left of the middle: {origin}");
     // The middle of the picture passes x = -2.5 at z = 0, to a decimal.
-    assert!(column(camera, Vec3::new(-2.53, -2.5, 0.0)).abs() < 0.01);
-    let (left, right) = (Vec3::new(-2.45, -2.5, 0.0), Vec3::new(-2.55, -2.5, 0.0));
+    assert!(column(camera, vec3(-2.53, -2.5, 0.0)).abs() < 0.01);
+    let (left, right) = (vec3(-2.45, -2.5, 0.0), vec3(-2.55, -2.5, 0.0));
     assert!(column(camera, left) < 0.0 && column(camera, right) > 0.0);
 }
 
@@ -92,7 +88,7 @@ fn camera_has_the_yaw_of_the_thesis() {
 fn ball_up_and_left_of_their_camera_stays_up_and_left() {
     let scene = load_text(r#"{ "sphere": [ { "center": [12, -12.5, 0], "radius": 1 } ] }"#);
     let toward = scene.spheres[0].center - scene.camera.position;
-    assert_eq!(toward, Vec3::new(-10.0, 10.0, -365.63));
+    assert_eq!(toward, vec3(-10.0, 10.0, -365.63));
 }
 
 #[test]
@@ -113,7 +109,7 @@ fn surfaces_follow_emission_then_roughness() {
         { "center": [9,0,0], "radius": 1, "color": [128,255,0], "emission": 0, "roughness": 5000 } ] }"#,
     );
     let of = |i: usize| &scene.materials[scene.spheres[i].material as usize];
-    let color = Vec3::new(linear(128.0 / 255.0), 1.0, 0.0);
+    let color = vec3(linear(128.0 / 255.0), 1.0, 0.0);
     assert_eq!(of(0).kind, MaterialKind::Emitter);
     assert!((of(0).emission - 2.5 * color).length() < 1e-6, "{}", of(0).emission);
     assert_eq!((of(1).kind, of(1).color), (MaterialKind::Scatter { roughness: 2.5 }, color));
@@ -122,24 +118,17 @@ fn surfaces_follow_emission_then_roughness() {
     assert_eq!((scene.spheres[3].material, scene.materials.len()), (scene.spheres[1].material, 3));
 }
 
-/// A picture whose every pixel differs, where the format's texture paths may lead.
-fn save_picture(folder: &Path, name: &str) {
-    let path = folder.join(name);
-    fs::create_dir_all(path.parent().unwrap()).unwrap();
-    image::RgbImage::from_fn(4, 4, |x, y| image::Rgb([60 * x as u8, 60 * y as u8, 0])).save(path).unwrap();
-}
-
 #[test]
 fn textures_are_found_beside_the_scene_and_above_it_with_either_slash() {
-    let folder = TempDir::new().unwrap();
-    save_picture(folder.path(), "project/bin/texture/wall.png");
-    save_picture(folder.path(), "project/scenes/deep/near.png");
+    let folder = Folder::new();
+    folder.save_picture("project/bin/texture/wall.png");
+    folder.save_picture("project/scenes/deep/near.png");
     let texture = |path: &str| {
         let text = format!(
             r#"{{ "sky": [1,1,1], "sphere": [ {{ "center": [0,0,0], "radius": 1, "texture": "{}" }} ] }}"#,
             path.replace('\\', "\\\\")
         );
-        load(&write(folder.path(), "project/scenes/deep/s.json", &text)).unwrap()
+        folder.load("project/scenes/deep/s.json", &text).unwrap()
     };
     for path in
         ["near.png", "./near.png", "./bin/texture/wall.png", "bin/texture/wall.png", "bin\\texture\\wall.png"]
@@ -184,17 +173,17 @@ fn ball_textures_lie_as_in_their_program() {
 
 #[test]
 fn triangle_textures_lie_as_in_their_program() {
-    let folder = TempDir::new().unwrap();
-    save_picture(folder.path(), "p.png");
+    let folder = Folder::new();
+    folder.save_picture("p.png");
     let text = r#"{ "triangle": [
         { "center": [7,8,9], "s0": [300,0,0], "s1": [0,0,200], "roughness": 1, "texture": "p.png" },
         { "center": [7,8,9], "s0": [0,50,0], "s1": [0,0,25], "roughness": 1, "texture": "p.png" } ] }"#;
-    let scene = load(&write(folder.path(), "s.json", text)).unwrap();
+    let scene = folder.load("s.json", text).unwrap();
     // First: n = x cross z = (0,-1,0); tangent (0, -n.z, n.y) = (0,0,-1); bitangent n x tangent = (1,0,0).
     // At s0: u 0, row 3. At s1: u -2, row 0. Stored: v = 1 - row.
-    assert_eq!(scene.uvs[0], [Vec2::new(0.0, 1.0), Vec2::new(0.0, -2.0), Vec2::new(-2.0, 1.0)]);
+    assert_eq!(scene.uvs[0], [vec2(0.0, 1.0), vec2(0.0, -2.0), vec2(-2.0, 1.0)]);
     // Second: n = y cross z = (1,0,0); tangent (n.z, 0, -n.x) = (0,0,-1); bitangent (0,1,0).
-    assert_eq!(scene.uvs[1], [Vec2::new(0.0, 1.0), Vec2::new(0.0, 0.5), Vec2::new(-0.25, 1.0)]);
+    assert_eq!(scene.uvs[1], [vec2(0.0, 1.0), vec2(0.0, 0.5), vec2(-0.25, 1.0)]);
 }
 
 #[test]
@@ -215,11 +204,8 @@ fn triangles_without_area_are_dropped_with_one_warning() {
         "sky": [1,1,1] }"#,
     );
     assert_eq!((scene.triangles.len(), scene.warnings.len()), (1, 1));
-    assert!(
-        scene.warnings[0].contains("triangle[1]") && scene.warnings[0].starts_with('2'),
-        "{:?}",
-        scene.warnings
-    );
+    let warning = &scene.warnings[0];
+    assert!(warning.contains("triangle[1]") && warning.starts_with('2'), "{warning}");
 }
 
 #[test]
@@ -238,74 +224,39 @@ fn colours_out_of_range_are_brought_inside_with_a_warning() {
     let scene = load_text(
         r#"{ "sky": [1,1,1], "sphere": [ { "center": [0,0,0], "radius": 1, "color": [300, -5, 255], "roughness": 9 } ] }"#,
     );
-    assert_eq!(scene.materials[0].color, Vec3::new(1.0, 0.0, 1.0));
+    assert_eq!(scene.materials[0].color, vec3(1.0, 0.0, 1.0));
     assert!(scene.warnings[0].contains("sphere[0].color"), "{:?}", scene.warnings);
 }
 
 #[test]
 fn faults_name_path_line_and_remedy() {
+    let with = |key: &str, thing: &str| format!(r#"{{ "{key}": [ {{ {thing} }} ] }}"#);
+    let (sphere, triangle) = (|thing: &str| with("sphere", thing), |thing: &str| with("triangle", thing));
+    let also = |keys: &str| format!(r#"{{ {keys}, "sphere": [ {{ "center": [0,0,0], "radius": 1 }} ] }}"#);
+    let rough = r#""center": [0,0,0], "radius": 1, "roughness": -1"#;
+    let far = r#""center": [1e18,0,0], "s0": [1e18,0,0], "s1": [0,1,0]"#;
     let cases = [
         (
-            r#"{ "sphere": [ { "center": [0,0,0], "radius": 0 } ] }"#,
+            sphere(r#""center": [0,0,0], "radius": 0"#),
             "the radius is 0",
             "sphere[0].radius, line 1",
             "at least",
         ),
-        (
-            r#"{ "sphere": [ { "center": [0,1e30,0], "radius": 1 } ] }"#,
-            "too large",
-            "sphere[0].center[1]",
-            "1e18",
-        ),
-        (r#"{ "sphere": [ { "radius": 1 } ] }"#, "`center` is missing", "sphere[0]", "add `center`"),
-        (
-            r#"{ "sphere": [ { "center": "x", "radius": 1 } ] }"#,
-            "string",
-            "sphere[0].center, line 1",
-            "array",
-        ),
-        (
-            r#"{ "triangle": [ { "center": [0,0,0], "s0": [1,0,0] } ] }"#,
-            "`s1` is missing",
-            "triangle[0]",
-            "add `s1`",
-        ),
-        (
-            r#"{ "triangle": [ { "center": [1e18,0,0], "s0": [1e18,0,0], "s1": [0,1,0] } ] }"#,
-            "too far",
-            "triangle[0]",
-            "1e18",
-        ),
-        (
-            r#"{ "res": [0, 135], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#,
-            "0 pixels",
-            "res[0], line 1",
-            "1 to",
-        ),
-        (
-            r#"{ "res": [2.5, 135], "sphere": [] }"#,
-            "whole number",
-            "res[0], line 1, column 11",
-            "whole number",
-        ),
-        (
-            r#"{ "sphere": [ { "center": [0,0,0], "radius": 1, "roughness": -1 } ] }"#,
-            "negative",
-            "sphere[0].roughness",
-            "mirror",
-        ),
-        (r#"{ "sphere": [ { "center": [0,0,NaN], "radius": 1 } ] }"#, "finite", "sphere[0].center[2]", "NaN"),
-        (
-            r#"{ "sky": [0,-1,0], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#,
-            "-1",
-            "sky[1]",
-            "0 to 1",
-        ),
-        (r#"{ "res": [240, 135] }"#, "nothing to see", "", "`sphere`"),
+        (sphere(r#""center": [0,1e30,0], "radius": 1"#), "too large", "sphere[0].center[1]", "1e18"),
+        (sphere(r#""radius": 1"#), "`center` is missing", "sphere[0]", "add `center`"),
+        (sphere(r#""center": "x", "radius": 1"#), "string", "sphere[0].center, line 1", "array"),
+        (sphere(rough), "negative", "sphere[0].roughness", "mirror"),
+        (sphere(r#""center": [0,0,NaN], "radius": 1"#), "finite", "sphere[0].center[2]", "NaN"),
+        (triangle(r#""center": [0,0,0], "s0": [1,0,0]"#), "`s1` is missing", "triangle[0]", "add `s1`"),
+        (triangle(far), "too far", "triangle[0]", "1e18"),
+        (also(r#""res": [0, 135]"#), "0 pixels", "res[0], line 1", "1 to"),
+        (also(r#""res": [2.5, 135]"#), "whole number", "res[0], line 1, column 11", "whole number"),
+        (also(r#""sky": [0,-1,0]"#), "-1", "sky[1]", "0 to 1"),
+        (r#"{ "res": [240, 135] }"#.into(), "nothing to see", "", "`sphere`"),
     ];
     for (text, what, at, mend) in cases {
-        let folder = TempDir::new().unwrap();
-        let error = load(&write(folder.path(), "s.json", text)).expect_err(text);
+        let folder = Folder::new();
+        let error = folder.load("s.json", &text).expect_err(&text);
         assert!(error.what.contains(what), "{text}: {error}");
         assert!(error.at.clone().unwrap_or_default().starts_with(at), "{text}: {error}");
         assert!(error.mend.as_ref().unwrap().contains(mend), "{text}: {error}");

@@ -1,41 +1,35 @@
 //! Views: files that name another scene and say how it is looked at; and the files that any scene was read
 //! from.
 
-use crate::folder::{save_picture, write};
-use glam::Vec3;
+use crate::folder::Folder;
+use glam::{Vec3, vec3};
 use octray::buffers::LightChoice;
 use octray::render::PipelineChoice;
 use octray::sampling::Sampler;
-use octray::scene::{
-    Camera, CameraPath, Keyframe, Loaded, Rendering, Scene, SceneError, View, load, load_with_view,
-};
+use octray::scene::{Camera, CameraPath, Keyframe, Loaded, Rendering, Scene, View, load, load_with_view};
 use octray::tone::Operator;
 use octray::traverse::{SphereChoice, TraversalChoice, TriangleChoice};
 use std::fs;
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
-/// Writes a file, and the folders it lies in; gives its path.
 /// A scene of every format, and two of the program's own; their names as a view in the same folder says them.
-fn scenes(folder: &Path) -> [&'static str; 5] {
-    write(
-        folder,
+fn scenes(folder: &Folder) -> [&'static str; 5] {
+    folder.write(
         "native.json",
         r#"{ "format": "octray-1", "spheres": [{ "center": [1,2,3], "radius": 2 }], "max_bounces": 7,
             "camera": { "position": [0,1,9], "look_at": [0.5,1,0], "up": [0.1,1,0], "vertical_fov": 35 } }"#,
     );
-    write(
-        folder,
+    folder.write(
         "thesis.json",
         r#"{ "res": [64, 36], "sphere": [{ "center": [0,0,0], "radius": 9, "roughness": 1 }] }"#,
     );
-    write(folder, "model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     ["native.json", "thesis.json", "model.obj", "builtin:three", "builtin:knot:30"]
 }
 
 /// As the command line would name it.
-fn spec(folder: &Path, name: &str) -> String {
-    if name.starts_with("builtin:") { name.into() } else { folder.join(name).to_str().unwrap().into() }
+fn spec(folder: &Folder, name: &str) -> String {
+    if name.starts_with("builtin:") { name.into() } else { folder.name(name) }
 }
 
 fn view(scene: &str, more: &str) -> String {
@@ -49,11 +43,10 @@ fn looks(scene: &Scene) -> String {
 
 #[test]
 fn view_that_says_nothing_is_the_scene_itself() {
-    let folder = TempDir::new().unwrap();
-    let folder = folder.path();
-    for base in scenes(folder) {
-        let scene = load_with_view(&write(folder, "view.json", view(base, ""))).unwrap();
-        assert_eq!(looks(&scene), looks(&load(&spec(folder, base)).unwrap()), "{base}");
+    let folder = Folder::new();
+    for base in scenes(&folder) {
+        let scene = load_with_view(&folder.write("view.json", view(base, ""))).unwrap();
+        assert_eq!(looks(&scene), looks(&load(&spec(&folder, base)).unwrap()), "{base}");
         assert_eq!(scene.name, "view.json");
         let nothing = View {
             scene: base.into(),
@@ -69,29 +62,27 @@ fn view_that_says_nothing_is_the_scene_itself() {
 
 #[test]
 fn view_changes_what_it_says_of_every_format_and_nothing_else() {
-    let folder = TempDir::new().unwrap();
-    let folder = folder.path();
-    for base in scenes(folder) {
-        let own = load_with_view(&spec(folder, base)).unwrap();
+    let folder = Folder::new();
+    for base in scenes(&folder) {
+        let own = load_with_view(&spec(&folder, base)).unwrap();
         assert!(own.view.is_none());
         let more = r#", "resolution": [31, 17], "max_bounces": 1023,
             "camera": { "position": [3.3,40,-5], "look_at": [0.1,0.2,0.3], "up": [0,0,-2], "vertical_fov": 12.7 }"#;
-        let scene = load(&write(folder, "deep/view.json", view(&from_below(base), more))).unwrap();
+        let load_with = |more| folder.load("deep/view.json", view(&from_below(base), more)).unwrap();
+        let scene = load_with(more);
         let camera = Camera {
-            position: Vec3::new(3.3, 40.0, -5.0),
-            look_at: Vec3::new(0.1, 0.2, 0.3),
-            up: Vec3::new(0.0, 0.0, -2.0),
+            position: vec3(3.3, 40.0, -5.0),
+            look_at: vec3(0.1, 0.2, 0.3),
+            up: vec3(0.0, 0.0, -2.0),
             vertical_fov: 12.7,
         };
         let expected = Scene { camera, resolution: [31, 17], max_bounces: 1023, ..own.scene.clone() };
         assert_eq!(looks(&scene), looks(&expected), "{base}");
 
         // What a camera leaves out is the scene's own, not a framing.
-        let more = r#", "camera": { "vertical_fov": 20 }"#;
-        let scene = load(&write(folder, "deep/view.json", view(&from_below(base), more))).unwrap();
+        let scene = load_with(r#", "camera": { "vertical_fov": 20 }"#);
         assert_eq!(scene.camera, Camera { vertical_fov: 20.0, ..own.camera }, "{base}");
-        let more = r#", "camera": { "position": [9, 9, 9] }"#;
-        let scene = load(&write(folder, "deep/view.json", view(&from_below(base), more))).unwrap();
+        let scene = load_with(r#", "camera": { "position": [9, 9, 9] }"#);
         assert_eq!(scene.camera, Camera { position: Vec3::splat(9.0), ..own.camera }, "{base}");
         assert_eq!((scene.resolution, scene.max_bounces), (own.resolution, own.max_bounces), "{base}");
     }
@@ -112,7 +103,7 @@ fn bits(view: &View) -> Vec<u32> {
 
 #[test]
 fn written_views_read_back_in_every_bit() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let render = Rendering {
         samples: Some(16_777_216),
         seed: Some(u32::MAX),
@@ -137,7 +128,7 @@ fn written_views_read_back_in_every_bit() {
         }
     };
     let mut point = || Vec3::from_array(std::array::from_fn(|_| next()));
-    let zeros = [Vec3::splat(-0.0), Vec3::new(-0.0, 0.0, 1.0), Vec3::new(0.0, 1.0, -0.0)];
+    let zeros = [Vec3::splat(-0.0), vec3(-0.0, 0.0, 1.0), vec3(0.0, 1.0, -0.0)];
     let mut read = 0;
     for turn in 0..2_000 {
         let [position, look_at, up] = if turn == 0 { zeros } else { std::array::from_fn(|_| point()) };
@@ -161,7 +152,7 @@ fn written_views_read_back_in_every_bit() {
             path: CameraPath::new(keyframes),
         };
         let Loaded { scene, view: found, .. } =
-            load_with_view(&write(folder.path(), "view.json", view.text())).unwrap();
+            load_with_view(&folder.write("view.json", view.text())).unwrap();
         let found = found.unwrap();
         assert_eq!(found, view);
         assert_eq!(bits(&found), bits(&view), "{}", view.text());
@@ -173,16 +164,13 @@ fn written_views_read_back_in_every_bit() {
 
 #[test]
 fn numbers_of_a_view_are_rounded_once_as_on_the_command_line() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     // Just below the middle of two neighbours in f32; the nearest f64 is the middle itself, from which a
     // second rounding would go up.
     let digits = "1.00000017881393432617187499";
-    let more = format!(", \"render\": {{ \"exposure\": {digits}, \"clamp\": {digits} }}");
-    let render = load_with_view(&write(folder.path(), "v.json", view("builtin:three", &more)))
-        .unwrap()
-        .view
-        .unwrap()
-        .render;
+    let more = format!(r#", "render": {{ "exposure": {digits}, "clamp": {digits} }}"#);
+    let render =
+        load_with_view(&folder.write("v.json", view("builtin:three", &more))).unwrap().view.unwrap().render;
     let typed: f32 = digits.parse().unwrap();
     assert_ne!(typed, digits.parse::<f64>().unwrap() as f32);
     assert_eq!((render.exposure, render.clamp), (Some(typed), Some(typed)));
@@ -190,37 +178,35 @@ fn numbers_of_a_view_are_rounded_once_as_on_the_command_line() {
 
 #[test]
 fn views_of_a_scene_name_it_from_any_folder() {
-    let folder = TempDir::new().unwrap();
-    let folder = folder.path();
-    fs::create_dir_all(folder.join("shots/deep")).unwrap();
-    for base in scenes(folder) {
-        let own = load(&spec(folder, base)).unwrap();
+    let folder = Folder::new();
+    fs::create_dir_all(folder.path("shots/deep")).unwrap();
+    for base in scenes(&folder) {
+        let own = load(&spec(&folder, base)).unwrap();
         for place in ["a.json", "shots/a.json", "shots/deep/a.json", "shots/../shots/deep/a.json"] {
-            let file = folder.join(place);
+            let file = folder.path(place);
             let view = View::of(&own, None, file.parent().unwrap());
             assert!(!Path::new(&view.scene).is_absolute(), "{}", view.scene);
-            let scene = load_with_view(&write(folder, place, view.text())).unwrap();
+            let scene = load_with_view(&folder.write(place, view.text())).unwrap();
             assert_eq!(looks(&scene), looks(&own), "{base} from {place}");
             // A view of a view is one of the same scene.
-            let again = View::of(&scene, scene.view.as_ref(), &folder.join("shots"));
-            let scene = load(&write(folder, "shots/again.json", again.text())).unwrap();
+            let again = View::of(&scene, scene.view.as_ref(), &folder.path("shots"));
+            let scene = folder.load("shots/again.json", again.text()).unwrap();
             assert_eq!(looks(&scene), looks(&own), "{base} from {place}, again");
         }
     }
-    let own = load(&spec(folder, "model.obj")).unwrap();
-    assert_eq!(View::of(&own, None, &folder.join("shots/deep")).scene, "../../model.obj");
+    let own = load(&spec(&folder, "model.obj")).unwrap();
+    assert_eq!(View::of(&own, None, &folder.path("shots/deep")).scene, "../../model.obj");
 }
 
 /// Asserts that a view is refused with these words in what is wrong, where, and how to mend it.
 #[track_caller]
-fn assert_refused(text: &str, what: &str, at: &str, mend: &str) {
-    let folder = TempDir::new().unwrap();
-    scenes(folder.path());
-    write(folder.path(), "shot.json", view("native.json", ""));
-    write(folder.path(), "notes.txt", "no scene");
-    let path = write(folder.path(), "view.json", text);
-    let error: SceneError = load(&path).expect_err("the view must be refused");
-    assert_eq!(error.file.as_deref(), Some(Path::new(&path)), "{error}");
+fn refused(text: &str, what: &str, at: &str, mend: &str) {
+    let folder = Folder::new();
+    scenes(&folder);
+    folder.write("shot.json", view("native.json", ""));
+    folder.write("notes.txt", "no scene");
+    let error = folder.load("view.json", text).expect_err("the view must be refused");
+    assert_eq!(error.file, Some(folder.path("view.json")), "{error}");
     assert!(error.what.contains(what), "what: {error}");
     assert!(error.at.clone().unwrap_or_default().starts_with(at), "at: {error}");
     assert!(error.mend.clone().unwrap_or_default().contains(mend), "mend: {error}");
@@ -229,88 +215,74 @@ fn assert_refused(text: &str, what: &str, at: &str, mend: &str) {
 #[test]
 fn faults_in_a_view_name_their_place_and_a_remedy() {
     let of = |more: &str| view("native.json", &format!(",\n  {more}"));
-    assert_refused(r#"{ "format": "octray-view-1" }"#, "`scene` is missing", "", "add `scene`");
-    assert_refused(
-        r#"{ "format": "octray-view-2" }"#,
-        "`octray-view-2` is unknown",
-        "format",
-        "octray-view-1",
-    );
-    assert_refused(&of(r#""sky": {}"#), "unknown key `sky`", "sky, line 4", "the keys known here are");
-    assert_refused(&of(r#""cammera": {}"#), "unknown key", "cammera, line 4", "did you mean `camera`?");
+    refused(r#"{ "format": "octray-view-1" }"#, "`scene` is missing", "", "add `scene`");
+    refused(r#"{ "format": "octray-view-2" }"#, "`octray-view-2` is unknown", "format", "octray-view-1");
+    refused(&of(r#""sky": {}"#), "unknown key `sky`", "sky, line 4", "the keys known here are");
+    refused(&of(r#""cammera": {}"#), "unknown key", "cammera, line 4", "did you mean `camera`?");
     let fov = r#""camera": { "fov": 9 }"#;
-    assert_refused(&of(fov), "unknown key `fov`", "camera.fov, line 4", "vertical_fov");
+    refused(&of(fov), "unknown key `fov`", "camera.fov, line 4", "vertical_fov");
     let sample = r#""render": { "sample": 9 }"#;
-    assert_refused(&of(sample), "`sample`", "render.sample, line 4, column 25", "did you mean `samples`?");
-    assert_refused(&of(r#""render": { "tone": 3 }"#), "3", "render.tone, line 4", "write a string here");
-    assert_refused(&of(r#""render": { "seed": -1 }"#), "-1", "render.seed, line 4", "whole number");
-    assert_refused(&of(r#""render": { "exposure": 1e99 }"#), "finite", "render.exposure, line 4", "number");
+    refused(&of(sample), "`sample`", "render.sample, line 4, column 25", "did you mean `samples`?");
+    refused(&of(r#""render": { "tone": 3 }"#), "3", "render.tone, line 4", "write a string here");
+    refused(&of(r#""render": { "seed": -1 }"#), "-1", "render.seed, line 4", "whole number");
+    refused(&of(r#""render": { "exposure": 1e99 }"#), "finite", "render.exposure, line 4", "number");
     let size = r#""resolution": [0, 9]"#;
-    assert_refused(&of(size), "0 pixels wide", "resolution[0], line 4, column 18", "from 1 to 16384");
+    refused(&of(size), "0 pixels wide", "resolution[0], line 4, column 18", "from 1 to 16384");
     let bounces = r#""max_bounces": 1025"#;
-    assert_refused(&of(bounces), "1025 bounces", "max_bounces, line 4, column 18", "from 0 to 1024");
+    refused(&of(bounces), "1025 bounces", "max_bounces, line 4, column 18", "from 0 to 1024");
     let fov = r#""camera": { "vertical_fov": 180 }"#;
-    assert_refused(&of(fov), "180°", "camera.vertical_fov, line 4, column 31", "below 180");
+    refused(&of(fov), "180°", "camera.vertical_fov, line 4, column 31", "below 180");
     // What makes the camera impossible may be half the scene's own.
     let up = r#""camera": { "up": [0.5, 0, -9] }"#;
-    assert_refused(&of(up), "parallel", "camera.up, line 4, column 21", "");
+    refused(&of(up), "parallel", "camera.up, line 4, column 21", "");
     let at = r#""camera": { "position": [0.5, 1, 0] }"#;
-    assert_refused(&of(at), "looks at its own position", "camera.look_at", "move `look_at`");
+    refused(&of(at), "looks at its own position", "camera.look_at", "move `look_at`");
 }
 
 #[test]
 fn scenes_that_a_view_cannot_show_are_refused_at_their_name() {
     let place = "scene, line 3, column 12";
-    assert_refused(
-        &view("gone.json", ""),
-        "cannot read the scene `gone.json`",
-        place,
-        "gone.json: give the path",
-    );
-    assert_refused(&view("shot.json", ""), "`shot.json` is a view itself", place, "that it is a view of");
-    assert_refused(&view("view.json", ""), "`view.json` is a view itself", place, "that it is a view of");
-    assert_refused(
+    refused(&view("gone.json", ""), "cannot read the scene `gone.json`", place, "gone.json: give the path");
+    refused(&view("shot.json", ""), "`shot.json` is a view itself", place, "that it is a view of");
+    refused(&view("view.json", ""), "`view.json` is a view itself", place, "that it is a view of");
+    refused(
         &view("notes.txt", ""),
         "`notes.txt` is not the name of a scene",
         place,
         "a model (.obj, .gltf, .glb, .ply)",
     );
-    assert_refused(&view("", ""), "`` is not the name of a scene", place, "builtin:NAME");
-    assert_refused(
-        &view("builtin:thre", ""),
-        "no scene `builtin:thre`",
-        place,
-        "did you mean `builtin:three`?",
-    );
-    assert_refused(&view("builtin:knot", ""), "how many triangles", place, "builtin:knot:N");
+    refused(&view("", ""), "`` is not the name of a scene", place, "builtin:NAME");
+    refused(&view("builtin:thre", ""), "no scene `builtin:thre`", place, "did you mean `builtin:three`?");
+    refused(&view("builtin:knot", ""), "how many triangles", place, "builtin:knot:N");
 }
 
 #[test]
 fn faults_in_the_scene_of_a_view_stay_its_own() {
-    let folder = TempDir::new().unwrap();
-    let broken = write(folder.path(), "broken.obj", "v 0 0 0\nf 1 2 3\n");
-    let error = load(&write(folder.path(), "view.json", view("broken.obj", ""))).unwrap_err();
+    let folder = Folder::new();
+    let broken = folder.write("broken.obj", "v 0 0 0\nf 1 2 3\n");
+    let error = folder.load("view.json", view("broken.obj", "")).unwrap_err();
     assert_eq!(error.file, Some(PathBuf::from(broken)));
     assert_eq!(error.at.as_deref(), Some("line 2"));
 }
 
+/// Files by their names from the folder on.
+fn inside(folder: &Folder, files: &[PathBuf]) -> Vec<String> {
+    let name = |file: &PathBuf| {
+        file.strip_prefix(folder.path("")).unwrap_or(file).to_str().unwrap().replace('\\', "/")
+    };
+    files.iter().map(name).collect()
+}
+
 #[test]
 fn scenes_know_the_files_that_they_were_read_from_and_those_that_are_missing() {
-    let folder = TempDir::new().unwrap();
-    let folder = folder.path();
-    save_picture(folder, "p/a.png");
-    save_picture(folder, "p/b.png");
-    let files = |name: &str| -> Vec<String> {
-        let scene = load(&spec(folder, name)).unwrap();
-        let inside =
-            scene.files.iter().map(|file| file.strip_prefix(folder).unwrap_or(file).to_str().unwrap());
-        inside.map(|file| file.replace('\\', "/")).collect()
-    };
-    write(folder, "m/m.mtl", "newmtl a\nmap_Kd ../p/a.png\nnorm ../p/a.png\nnewmtl b\nmap_Kd ../p/b.png\n");
+    let folder = Folder::new();
+    folder.save_picture("p/a.png");
+    folder.save_picture("p/b.png");
+    let files = |name: &str| inside(&folder, &load(&spec(&folder, name)).unwrap().files);
+    folder.write("m/m.mtl", "newmtl a\nmap_Kd ../p/a.png\nnorm ../p/a.png\nnewmtl b\nmap_Kd ../p/b.png\n");
     let face = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
-    write(folder, "m/m.obj", format!("mtllib m.mtl gone.mtl\n{face}"));
-    write(
-        folder,
+    folder.write("m/m.obj", format!("mtllib m.mtl gone.mtl\n{face}"));
+    folder.write(
         "native.json",
         r#"{ "format": "octray-1", "sky": { "texture": "p/b.png" },
             "meshes": [ { "obj": "m/m.obj" }, { "obj": "m/m.obj", "translate": [3, 0, 0] } ],
@@ -319,9 +291,9 @@ fn scenes_know_the_files_that_they_were_read_from_and_those_that_are_missing() {
     let ball =
         |path: &str| format!(r#"{{ "center": [0,0,0], "radius": 1, "roughness": 1, "texture": "{path}" }}"#);
     let balls = [ball("p/a.png"), ball("p/gone.png"), ball("p/a.png")].join(", ");
-    write(folder, "s/thesis.json", format!("{{ \"sphere\": [ {balls} ] }}"));
-    write(folder, "view.json", view("m/m.obj", ""));
-    write(folder, "three.json", view("builtin:three", ""));
+    folder.write("s/thesis.json", format!(r#"{{ "sphere": [ {balls} ] }}"#));
+    folder.write("view.json", view("m/m.obj", ""));
+    folder.write("three.json", view("builtin:three", ""));
 
     // A library's name may hold spaces, which is tried first.
     let model = ["m/m.obj", "m/m.mtl gone.mtl", "m/m.mtl", "m/../p/a.png", "m/../p/b.png", "m/gone.mtl"];
@@ -341,16 +313,11 @@ fn scenes_know_the_files_that_they_were_read_from_and_those_that_are_missing() {
 
 #[test]
 fn scenes_that_cannot_be_read_know_what_was_looked_for() {
-    let folder = TempDir::new().unwrap();
-    let folder = folder.path();
-    let files = |name: &str| -> Vec<String> {
-        let error = load(&spec(folder, name)).unwrap_err();
-        let inside = error.files.iter().map(|file| file.strip_prefix(folder).unwrap().to_str().unwrap());
-        inside.map(|file| file.replace('\\', "/")).collect()
-    };
-    write(folder, "view.json", view("m/gone.json", ""));
-    write(folder, "of_model.json", view("m/m.obj", ""));
-    write(folder, "m/m.obj", "mtllib m.mtl\nv 0 0 0\nf 1 2 3\n");
+    let folder = Folder::new();
+    let files = |name: &str| inside(&folder, &load(&spec(&folder, name)).unwrap_err().files);
+    folder.write("view.json", view("m/gone.json", ""));
+    folder.write("of_model.json", view("m/m.obj", ""));
+    folder.write("m/m.obj", "mtllib m.mtl\nv 0 0 0\nf 1 2 3\n");
     assert_eq!(files("gone.json"), ["gone.json"]);
     assert_eq!(files("view.json"), ["view.json", "m/gone.json"]);
     assert_eq!(files("of_model.json"), ["of_model.json", "m/m.obj"]);

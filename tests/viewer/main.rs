@@ -1,6 +1,8 @@
 //! The viewer: without a window, in a terminal, and in a window on a display of the test's own.
 #![cfg(feature = "viewer")]
 
+#[path = "../common/folder.rs"]
+mod folder;
 #[path = "../common/program.rs"]
 mod program;
 #[path = "../common/seat.rs"]

@@ -6,14 +6,14 @@
 //! of the file it comes from. To declare modules and to re-export what is in them is no import; to use it is
 //! one.
 
-use super::sources::Source;
+use super::sources::{Source, is_name};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Names of a path that is followed, at most.
 const LONGEST: usize = 20;
 
 /// Absolute from a package's root on.
-type Module = Vec<String>;
+pub type Module = Vec<String>;
 
 /// One `use`: a path, and the name it gets; `*` for all names.
 #[derive(Clone, Debug)]
@@ -43,6 +43,17 @@ struct Package {
 
 /// Files that import each other, by their numbers: from each to those that it imports.
 pub type Imports = Vec<BTreeSet<usize>>;
+
+/// The paths that a source names, each with the module that names it.
+pub fn paths(source: &Source) -> Vec<(Module, Vec<String>)> {
+    let mut scopes = BTreeMap::new();
+    read_scopes(0, source, &mut scopes);
+    let of_scope = |(module, scope): (Module, Scope)| {
+        let uses = scope.uses.into_iter().map(|one| one.path);
+        uses.chain(scope.paths).map(move |path| (module.clone(), path)).collect::<Vec<_>>()
+    };
+    scopes.into_iter().flat_map(of_scope).collect()
+}
 
 /// For every source the sources that it imports.
 pub fn imports(sources: &[Source]) -> Imports {
@@ -84,32 +95,10 @@ pub fn circles(imports: &Imports) -> Vec<Vec<usize>> {
         .collect()
 }
 
-/// Names, `::`, and every other character by itself.
-fn tokens(code: &str) -> Vec<&str> {
-    let mut tokens = Vec::new();
-    let mut rest = code.trim_start();
-    while let Some(first) = rest.chars().next() {
-        let end = if first.is_alphanumeric() || first == '_' {
-            rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len())
-        } else if rest.starts_with("::") {
-            2
-        } else {
-            first.len_utf8()
-        };
-        tokens.push(&rest[..end]);
-        rest = rest[end..].trim_start();
-    }
-    tokens
-}
-
-fn is_name(token: &str) -> bool {
-    token.starts_with(|c: char| c.is_alphabetic() || c == '_')
-}
-
 /// Reads a file's scopes: its own, and those of the modules inside it.
 fn read_scopes(file: usize, source: &Source, scopes: &mut BTreeMap<Module, Scope>) {
     const DEFINES: [&str; 9] = ["struct", "enum", "fn", "trait", "const", "static", "type", "union", "mod"];
-    let tokens = tokens(&source.code);
+    let tokens: Vec<&str> = source.tokens.iter().map(String::as_str).collect();
     let token = |at: usize| tokens.get(at).copied().unwrap_or("");
     let mut module = source.module.clone();
     // How many braces are open where an inner module begins.

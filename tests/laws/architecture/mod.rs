@@ -89,56 +89,29 @@ const MAX_LINES: usize = 700;
 /// comments.
 const MAX_WIDTH: usize = 110;
 
-fn identifier(text: &str) -> &str {
-    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
-    &text[..end]
-}
-
-/// The first names of a path or of a group `{a::…, b}`.
-fn first_names(path: &str) -> Vec<&str> {
-    let Some(group) = path.strip_prefix('{') else { return vec![identifier(path)] };
-    let (mut names, mut level, mut fresh) = (Vec::new(), 1, true);
-    for (at, c) in group.char_indices() {
-        match c {
-            '{' => level += 1,
-            '}' => level -= 1,
-            ',' if level == 1 => fresh = true,
-            _ if fresh && !c.is_whitespace() => {
-                names.push(identifier(&group[at..]));
-                fresh = false;
+/// The top-level modules that a source mentions: of its own package, and of packages before it.
+fn imports(source: &Source) -> BTreeSet<String> {
+    let is_program = source.path.ends_with("main.rs");
+    let before = |name: &str| {
+        PACKAGES[..source.package].iter().any(|(package, _)| name == format!("octray_{package}"))
+    };
+    let top_level = |(mut module, path): (Vec<String>, Vec<String>)| {
+        let mut rest = &path[..];
+        match path[0].as_str() {
+            "octray" => return path.get(1).filter(|_| is_program).cloned(),
+            "crate" => (module, rest) = (Vec::new(), &path[1..]),
+            "super" => {
+                while rest.first().is_some_and(|name| name == "super") {
+                    module.pop();
+                    rest = &rest[1..];
+                }
             }
-            _ => {}
+            name if before(name) => return path.get(1).cloned(),
+            _ => return None,
         }
-        if level == 0 {
-            break;
-        }
-    }
-    names
-}
-
-/// The top-level names that a source mentions: of its own package, and of packages before it.
-fn imports(source: &Source) -> BTreeSet<&str> {
-    let mut prefixes = vec!["crate::".to_owned()];
-    if !source.is_root() {
-        prefixes.push("super::".repeat(source.module.len()));
-    }
-    prefixes.extend(PACKAGES[..source.package].iter().map(|(name, _)| format!("octray_{name}::")));
-    if source.path.ends_with("main.rs") {
-        prefixes = vec!["octray::".to_owned()];
-    }
-    let mut names = BTreeSet::new();
-    for prefix in prefixes {
-        for (at, _) in source.code.match_indices(&prefix) {
-            let before = source.code[..at].chars().next_back();
-            if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
-                continue;
-            }
-            let path = &source.code[at + prefix.len()..];
-            // `super::super::…` and `super::*` of an inline module lead elsewhere.
-            names.extend(first_names(path).into_iter().filter(|name| !name.is_empty() && *name != "super"));
-        }
-    }
-    names
+        module.first().or(rest.first()).filter(|name| *name != "*").cloned()
+    };
+    circles::paths(source).into_iter().filter_map(top_level).collect()
 }
 
 /// Where a module stands that a source of this package names: in its own package or in one before it. A
@@ -159,7 +132,7 @@ fn modules_import_only_what_stands_before_them() {
             faults.push(format!("{path}: module `{room}` has no place in ORDER"));
         }
         for name in imports(source) {
-            match place(source.package, name) {
+            match place(source.package, &name) {
                 Some(other) if Some(other) <= own => {}
                 Some(_) => faults.push(format!("{path}: `{room}` imports `{name}`, which stands behind it")),
                 // Inline modules reach their own file by `super::`; macros and items of the root have no
@@ -167,7 +140,7 @@ fn modules_import_only_what_stands_before_them() {
                 None => faults.push(format!("{path}: `{name}` is no module of ORDER")),
             }
             for (package, module, forbidden, why) in FORBIDDEN {
-                if source.package == *package && room == *module && forbidden.contains(&name) {
+                if source.package == *package && room == *module && forbidden.contains(&name.as_str()) {
                     faults.push(format!("{path}: `{module}` imports `{name}`, but {why}"));
                 }
             }
@@ -179,13 +152,9 @@ fn modules_import_only_what_stands_before_them() {
 #[test]
 fn modules_of_the_roots_have_a_place() {
     for source in sources().iter().filter(|source| source.is_root()) {
-        for line in source.code.lines() {
-            let declared =
-                line.trim().trim_start_matches("pub(crate) ").trim_start_matches("pub ").strip_prefix("mod ");
-            if let Some(name) = declared.map(identifier) {
-                let listed = ORDER[source.package].contains(&name);
-                assert!(listed, "{}: module `{name}` has no place in ORDER", source.path.display());
-            }
+        for declared in source.tokens.windows(3).filter(|tokens| tokens[0] == "mod" && tokens[2] == ";") {
+            let listed = ORDER[source.package].contains(&declared[1].as_str());
+            assert!(listed, "{}: module `{}` has no place in ORDER", source.path.display(), declared[1]);
         }
     }
 }
@@ -279,15 +248,15 @@ fn files_that_are_named_in_sources_exist() {
 
 #[test]
 fn reader_of_sources_sees_every_form_of_import_and_no_comment() {
-    let text = "//! crate::a\nuse crate::{b::{x, y}, c, d::*};\n/* crate::e */ let s = \"crate::f\\\"\"; let c = '\"';\n\
-         let r = r#\"crate::h\"#; fn g<'a>(x: &'a str) { crate::i::j() } use super::super::k::L; mycrate::m;\n\
+    let text = "//! crate::a\nuse crate::{b::{x, y}, c, d::*};\n/* crate::e */ const S: &str = \"crate::f\\\"\"; const C: char = '\"';\n\
+         const R: &str = r#\"crate::h\"#; fn g<'a>(x: &'a str) { crate::i::j() } use super::super::k::L; use mycrate::m;\n\
          use octray_engine::n;";
     let names = |path: &str| {
         let source = Source::new(path.as_ref(), text.into());
-        imports(&source).into_iter().map(str::to_owned).collect::<Vec<_>>().join(" ")
+        imports(&source).into_iter().collect::<Vec<_>>().join(" ")
     };
     assert_eq!(names("src/engine/x/y.rs"), "b c d i k");
-    assert_eq!(names("src/engine/x/y/z.rs"), "b c d i");
+    assert_eq!(names("src/engine/x/y/z.rs"), "b c d i x");
     assert_eq!(names("src/formats/x/y.rs"), "b c d i k n");
     assert_eq!(Source::new("src/formats/x/mod.rs".as_ref(), String::new()).module, ["x"]);
 }

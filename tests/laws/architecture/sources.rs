@@ -1,5 +1,6 @@
 //! The sources as text: every file of every package, with its place among the modules.
 
+use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,8 @@ pub struct Source {
     /// The module that the file is, from the package's root on; empty for the root itself.
     pub module: Vec<String>,
     pub text: String,
+    pub tokens: Vec<String>,
+    /// The tokens, with spaces between names alone.
     pub code: String,
 }
 
@@ -34,7 +37,8 @@ impl Source {
         if ["mod", "lib", "main"].contains(&module.last().unwrap().as_str()) {
             module.pop();
         }
-        Self { path: path.into(), package, module, code: code_of(&text), text }
+        let tokens = tokens_of(&text);
+        Self { path: path.into(), package, module, text, code: joined(&tokens), tokens }
     }
     pub fn is_root(&self) -> bool {
         self.module.is_empty()
@@ -79,47 +83,54 @@ pub fn sources() -> Vec<Source> {
     sources
 }
 
-/// The text without comments and without what stands in strings and characters.
-pub fn code_of(text: &str) -> String {
-    let bytes: Vec<char> = text.chars().collect();
-    let mut code = String::new();
-    let mut at = 0;
-    let starts = |at: usize, with: &str| with.chars().enumerate().all(|(i, c)| bytes.get(at + i) == Some(&c));
-    while at < bytes.len() {
-        if starts(at, "//") {
-            while at < bytes.len() && bytes[at] != '\n' {
-                at += 1;
+/// The tokens of a text, without comments, strings and characters; `::` is one.
+fn tokens_of(text: &str) -> Vec<String> {
+    fn flatten(stream: TokenStream, tokens: &mut Vec<String>) {
+        let mut joined = false;
+        for tree in stream {
+            let was_joined = std::mem::take(&mut joined);
+            match tree {
+                TokenTree::Group(group) => {
+                    let [open, close] = match group.delimiter() {
+                        Delimiter::Brace => ["{", "}"],
+                        Delimiter::Bracket => ["[", "]"],
+                        _ => ["(", ")"],
+                    };
+                    tokens.push(open.into());
+                    flatten(group.stream(), tokens);
+                    tokens.push(close.into());
+                }
+                TokenTree::Ident(name) => tokens.push(name.to_string()),
+                TokenTree::Punct(sign) if sign.as_char() == ':' && was_joined => {
+                    *tokens.last_mut().unwrap() = "::".into();
+                }
+                TokenTree::Punct(sign) => {
+                    joined = sign.as_char() == ':' && sign.spacing() == Spacing::Joint;
+                    tokens.push(sign.as_char().into());
+                }
+                TokenTree::Literal(literal) => {
+                    let text = literal.to_string();
+                    tokens.extend(text.starts_with(|c: char| c.is_ascii_digit()).then_some(text));
+                }
             }
-        } else if starts(at, "/*") {
-            while at < bytes.len() && !starts(at, "*/") {
-                at += 1;
-            }
-            at += 2;
-        } else if bytes[at] == 'r' && (starts(at, "r\"") || starts(at, "r#\"")) {
-            let end = if starts(at, "r\"") { "\"" } else { "\"#" };
-            at += end.len() + 1;
-            while at < bytes.len() && !starts(at, end) {
-                at += 1;
-            }
-            at += end.len();
-        } else if bytes[at] == '"' {
-            at += 1;
-            while at < bytes.len() && bytes[at] != '"' {
-                at += if bytes[at] == '\\' { 2 } else { 1 };
-            }
-            at += 1;
-        } else if bytes[at] == '\'' && (bytes.get(at + 1) == Some(&'\\') || bytes.get(at + 2) == Some(&'\''))
-        {
-            // A character, not a lifetime.
-            at += if bytes[at + 1] == '\\' { 3 } else { 2 };
-            while at < bytes.len() && bytes[at] != '\'' {
-                at += 1;
-            }
-            at += 1;
-        } else {
-            code.push(bytes[at]);
-            at += 1;
         }
     }
-    code
+    let mut tokens = Vec::new();
+    flatten(text.parse().expect("a source of Rust"), &mut tokens);
+    tokens
+}
+
+pub fn is_name(token: &str) -> bool {
+    token.starts_with(|c: char| c.is_alphabetic() || c == '_')
+}
+
+/// Tokens as a text, with spaces between names alone.
+fn joined(tokens: &[String]) -> String {
+    let mut text = String::new();
+    for (at, token) in tokens.iter().enumerate() {
+        let apart = at > 0 && is_name(&tokens[at - 1]) && is_name(token);
+        text.extend(apart.then_some(' '));
+        text += token;
+    }
+    text
 }

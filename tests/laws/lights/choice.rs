@@ -2,12 +2,8 @@
 //! few or very many.
 
 use super::many_lamps;
-use crate::common::{Rng, lamp, sphere};
-use glam::Vec3;
-use octray::buffers::{LightChoice, Lights};
+use crate::common::*;
 use octray::kernel::surface::{sphere_offset, triangle_offset};
-use octray::math;
-use octray::scene::load;
 use std::collections::HashMap;
 
 #[test]
@@ -72,7 +68,7 @@ fn compared_lights_count_once_each_and_have_points_all_over_them() {
 #[test]
 fn compared_lights_are_chosen_in_proportion_to_their_irradiance() {
     // Equal lamps straight above at 1 and 3, one with twice the power at 2 and 60° from above, one below.
-    let aslant = Vec3::new(2.0 * 0.75f32.sqrt(), 1.0, 0.0);
+    let aslant = vec3(2.0 * 0.75f32.sqrt(), 1.0, 0.0);
     let at = [(Vec3::Y, 1.0), (3.0 * Vec3::Y, 1.0), (aslant, 2.0), (-Vec3::Y, 4.0)];
     let mut scene = many_lamps(0);
     scene.materials[0].emission = Vec3::ZERO;
@@ -87,7 +83,7 @@ fn compared_lights_are_chosen_in_proportion_to_their_irradiance() {
     for number in 0..10_000 {
         let above = (math::Vec3::splat(Vec3::ZERO), math::Vec3::splat(Vec3::Y));
         let (light, _) = lights.compare::<f32>(above, number as f32 / 10_000.0, true);
-        let center = Vec3::new(light.at.x, light.at.y, light.at.z);
+        let center = vec3(light.at.x, light.at.y, light.at.z);
         drawn[at.iter().position(|&(other, _)| other == center).unwrap()] += 1e-4;
     }
     let sum: f64 = irradiance.iter().sum();
@@ -107,7 +103,7 @@ fn chosen_lights_bring_the_error_bound_of_their_surface() {
     let mut checked = HashMap::new();
     for number in 0..2_000 {
         let (light, _) = lights.choose::<f32>(number as f32 / 2_000.0, || 0.3, || 0.6, false);
-        let at = Vec3::new(light.at.x, light.at.y, light.at.z);
+        let at = vec3(light.at.x, light.at.y, light.at.z);
         let sphere = scene.spheres.iter().find(|sphere| sphere.center == at);
         let triangle = scene.triangles.iter().find(|triangle| triangle.vertices[0] == at);
         let bound = match (sphere, triangle) {
@@ -128,7 +124,7 @@ fn resampled_lights_count_once_each() {
     let lights = Lights::new(&scene, LightChoice::Auto);
     assert!(lights.are_chosen_by_irradiance());
     // From below, where every light is above the horizon.
-    let point = Vec3::new(0.1, -3.0, 0.2);
+    let point = vec3(0.1, -3.0, 0.2);
     let (mut counts, mut sums) = (vec![0.0; 102], vec![0.0; 102]);
     let draws = 2_000_000;
     for draw in 0..draws {

@@ -5,14 +5,7 @@ mod choice;
 mod frames;
 mod shapes;
 
-use crate::common::{Rng, floor, lamp, sphere, triangle};
-use glam::{DVec3, Vec3};
-use octray::buffers::LightChoice;
-use octray::film::Picture;
-use octray::math;
-use octray::render::Settings;
-use octray::scene::Scene;
-use octray::traverse::Methods;
+use crate::common::*;
 
 fn vector(v: DVec3) -> math::Vec3<f32> {
     math::Vec3::splat(v.as_vec3())

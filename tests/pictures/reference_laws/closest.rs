@@ -1,10 +1,7 @@
 //! The closest hit, against closed forms.
 
 use super::scenes::{ball, empty, wall};
-use crate::common::{Rng, sphere, triangle};
-use glam::{DVec3, Vec3};
-use octray::reference::Reference;
-use octray::scene::{MaterialKind::Diffuse, Scene};
+use crate::common::*;
 
 #[test]
 fn closest_gives_the_near_root_of_a_sphere_head_on() {
@@ -15,7 +12,7 @@ fn closest_gives_the_near_root_of_a_sphere_head_on() {
     assert_eq!(longer.t, 0.5, "t counts in lengths of the direction");
     assert_eq!(judge.closest(DVec3::ZERO, DVec3::X).unwrap().t, 1.0, "from inside");
     assert!(judge.closest(DVec3::Z * 5.0, DVec3::Z).is_none(), "behind");
-    assert!(judge.closest(DVec3::new(1.001, 0.0, 5.0), -DVec3::Z).is_none(), "beside");
+    assert!(judge.closest(dvec3(1.001, 0.0, 5.0), -DVec3::Z).is_none(), "beside");
     assert!(judge.closest(DVec3::Z * 5.0, DVec3::ZERO).is_none(), "a direction of length zero");
 }
 
@@ -24,13 +21,13 @@ fn closest_gives_t_and_weights_of_a_triangle() {
     let vertices = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 4.0];
     let judge = Reference::new(&Scene { triangles: vec![triangle(vertices, 0)], ..empty() });
     for side in [1.0, -1.0] {
-        let hit = judge.closest(DVec3::new(0.5, 1.0, 3.0 * side), DVec3::Z * -side).unwrap();
+        let hit = judge.closest(dvec3(0.5, 1.0, 3.0 * side), DVec3::Z * -side).unwrap();
         assert_eq!((hit.primitive, hit.t, hit.u, hit.v), (0, 3.0, 0.25, 0.25));
     }
-    assert!(judge.closest(DVec3::new(-0.01, 1.0, 3.0), -DVec3::Z).is_none(), "beside");
-    assert!(judge.closest(DVec3::new(0.5, 1.0, 3.0), DVec3::Z).is_none(), "behind");
-    assert!(judge.closest(DVec3::new(0.5, 1.0, 0.0), DVec3::X).is_none(), "within its plane");
-    assert!(judge.closest(DVec3::new(0.5, 1.0, 3.0), DVec3::ZERO).is_none(), "a direction of length zero");
+    assert!(judge.closest(dvec3(-0.01, 1.0, 3.0), -DVec3::Z).is_none(), "beside");
+    assert!(judge.closest(dvec3(0.5, 1.0, 3.0), DVec3::Z).is_none(), "behind");
+    assert!(judge.closest(dvec3(0.5, 1.0, 0.0), DVec3::X).is_none(), "within its plane");
+    assert!(judge.closest(dvec3(0.5, 1.0, 3.0), DVec3::ZERO).is_none(), "a direction of length zero");
 }
 
 #[test]
@@ -47,7 +44,7 @@ fn closest_prefers_the_nearer_then_the_lower_index() {
         ..empty()
     });
     assert_eq!(judge.closest(DVec3::Z * 5.0, -DVec3::Z).unwrap().primitive, 1, "sphere 1 touches triangle 4");
-    assert_eq!(judge.closest(DVec3::new(3.0, 0.0, 5.0), -DVec3::Z).unwrap().primitive, 4);
+    assert_eq!(judge.closest(dvec3(3.0, 0.0, 5.0), -DVec3::Z).unwrap().primitive, 4);
 }
 
 /// An octahedron seen from inside, aimed at its edges: no ray may leave.

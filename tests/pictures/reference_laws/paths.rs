@@ -1,20 +1,15 @@
 //! Whole paths: furnaces, closed forms, and integrals by quadrature.
 
-use super::scenes::{ball, empty, lamp, one_pixel, wall};
-use crate::common::{sphere, triangle};
-use glam::{DVec3, Vec3};
-use octray::reference::{PathSettings, Reference};
-use octray::sampling::{PixelCoordinates, SampleValues, Sampler, dimension, warp};
-use octray::scene::{Camera, Material, MaterialKind, Scene, Sky};
+use super::scenes::{ball, empty, one_pixel, wall};
+use crate::common::statistics::mean_and_error;
+use crate::common::*;
+use octray::sampling::{PixelCoordinates, SampleValues, dimension, warp};
 use std::f64::consts::PI;
 
 /// Mean of the red channel and its standard error over the one pixel's first `samples` paths.
 fn mean(judge: &Reference, max_bounces: u32, samples: u32) -> (f64, f64) {
     let values: Vec<f64> = (0..samples).map(|s| judge.path(one_pixel(max_bounces), 0, 0, s)[0]).collect();
-    let n = f64::from(samples);
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, (variance / n).sqrt())
+    mean_and_error(&values)
 }
 
 /// The integral of f over the hemisphere around +z, by the midpoint rule in cos θ and φ.
@@ -26,7 +21,7 @@ fn over_hemisphere(f: impl Fn(DVec3) -> f64) -> f64 {
         for column in 0..columns {
             let phi = 2.0 * PI * (f64::from(column) + 0.5) / f64::from(columns);
             let r = (1.0 - z * z).sqrt();
-            sum += f(DVec3::new(r * phi.cos(), r * phi.sin(), z));
+            sum += f(dvec3(r * phi.cos(), r * phi.sin(), z));
         }
     }
     sum * 2.0 * PI / (f64::from(rows) * f64::from(columns))
@@ -39,14 +34,9 @@ fn wide(scene: Scene) -> Scene {
 
 #[test]
 fn white_furnace_is_white_where_nothing_is_absorbed() {
-    for kind in [
-        MaterialKind::Diffuse,
-        MaterialKind::Metal { roughness: 0.0 },
-        MaterialKind::Glass { ior: 1.5 },
-        MaterialKind::Glass { ior: 1.0 },
-    ] {
+    for kind in [Diffuse, Metal { roughness: 0.0 }, Glass { ior: 1.5 }, Glass { ior: 1.0 }] {
         // A single sheet of glass leads into glass without end, so there is no furnace of it.
-        let walls = (!matches!(kind, MaterialKind::Glass { .. })).then(|| wide(wall(kind)));
+        let walls = (!matches!(kind, Glass { .. })).then(|| wide(wall(kind)));
         for scene in walls.into_iter().chain([wide(ball(kind))]) {
             let judge = Reference::new(&scene);
             for sample in 0..5000 {
@@ -60,9 +50,8 @@ fn white_furnace_is_white_where_nothing_is_absorbed() {
 
 #[test]
 fn white_furnace_never_exceeds_one_where_something_is_absorbed() {
-    for kind in [0.05, 0.3, 1.0]
-        .into_iter()
-        .flat_map(|roughness| [MaterialKind::Metal { roughness }, MaterialKind::Scatter { roughness }])
+    for kind in
+        [0.05, 0.3, 1.0].into_iter().flat_map(|roughness| [Metal { roughness }, Scatter { roughness }])
     {
         for scene in [wide(ball(kind)), wide(wall(kind))] {
             let judge = Reference::new(&scene);
@@ -78,14 +67,14 @@ fn white_furnace_never_exceeds_one_where_something_is_absorbed() {
 #[test]
 fn path_ends_after_its_last_event() {
     let scene = |kind| Scene { sky: Sky::Color(Vec3::ONE), ..ball(kind) };
-    assert_eq!(Reference::new(&scene(MaterialKind::Diffuse)).path(one_pixel(0), 0, 0, 0), [0.0; 3]);
-    assert_eq!(Reference::new(&scene(MaterialKind::Diffuse)).path(one_pixel(1), 0, 0, 0), [1.0; 3]);
+    assert_eq!(Reference::new(&scene(Diffuse)).path(one_pixel(0), 0, 0, 0), [0.0; 3]);
+    assert_eq!(Reference::new(&scene(Diffuse)).path(one_pixel(1), 0, 0, 0), [1.0; 3]);
     assert_eq!(Reference::new(&empty()).path(one_pixel(0), 0, 0, 0), [1.0; 3]);
-    let lit = Scene { materials: vec![lamp(Vec3::new(2.0, 3.0, 4.0))], ..ball(MaterialKind::Emitter) };
+    let lit = Scene { materials: vec![emitter(vec3(2.0, 3.0, 4.0))], ..ball(Emitter) };
     for max_bounces in [0, 9] {
         assert_eq!(Reference::new(&lit).path(one_pixel(max_bounces), 0, 0, 0), [2.0, 3.0, 4.0]);
     }
-    let mut glows = ball(MaterialKind::Diffuse);
+    let mut glows = ball(Diffuse);
     glows.materials[0].emission = Vec3::splat(0.5);
     glows.materials[0].color = Vec3::splat(0.25);
     assert_eq!(Reference::new(&glows).path(one_pixel(3), 0, 0, 0), [0.75; 3], "own light and the sky's");
@@ -94,8 +83,8 @@ fn path_ends_after_its_last_event() {
 #[test]
 fn lambert_under_a_gradient_is_its_irradiance() {
     let sky = |y: f64| 0.25 + (2.0 - 0.25) * 0.5 * (y + 1.0);
-    for position in [Vec3::Z * 5.0, Vec3::new(1.0, 4.0, 2.0), Vec3::new(0.5, -3.0, -4.0)] {
-        let scene = ball(MaterialKind::Diffuse);
+    for position in [Vec3::Z * 5.0, vec3(1.0, 4.0, 2.0), vec3(0.5, -3.0, -4.0)] {
+        let scene = ball(Diffuse);
         let judge = Reference::new(&Scene {
             camera: Camera { position, ..scene.camera },
             sky: Sky::Gradient { bottom: Vec3::splat(0.25), top: Vec3::splat(2.0) },
@@ -118,8 +107,8 @@ fn lambert_under_a_gradient_is_its_irradiance() {
 fn metal_under_a_gradient_is_the_integral_of_its_lobe() {
     let sky = |w: DVec3| 0.5 * (w.y + 1.0);
     for (roughness, height) in [(0.5f32, 3.0f32), (0.7, 0.0), (0.7, 12.0), (1.0, 6.0)] {
-        let scene = wall(MaterialKind::Metal { roughness });
-        let position = Vec3::new(0.0, height, 5.0);
+        let scene = wall(Metal { roughness });
+        let position = vec3(0.0, height, 5.0);
         let judge = Reference::new(&Scene {
             camera: Camera { position, ..scene.camera },
             sky: Sky::Gradient { bottom: Vec3::ZERO, top: Vec3::ONE },
@@ -134,10 +123,8 @@ fn metal_under_a_gradient_is_the_integral_of_its_lobe() {
             sky(wi) * d / (1.0 + lambda(wo) + lambda(wi)) / (4.0 * wo.z)
         });
         let (found, error) = mean(&judge, 4, 40_000);
-        assert!(
-            (found - expected).abs() < 4.0 * error + 1e-4,
-            "roughness {roughness}, eye at height {height}: {found} ± {error}, expected {expected}"
-        );
+        let told = format!("{roughness}, eye at {height}: {found} ± {error}, expected {expected}");
+        assert!((found - expected).abs() < 4.0 * error + 1e-4, "{told}");
     }
 }
 
@@ -145,12 +132,12 @@ fn metal_under_a_gradient_is_the_integral_of_its_lobe() {
 #[test]
 fn glass_ball_lets_its_centred_ray_straight_through() {
     for ior in [1.33f32, 1.5, 2.4, 0.75] {
-        let scene = ball(MaterialKind::Glass { ior });
+        let scene = ball(Glass { ior });
         let mut behind = sphere(Vec3::Z * -9.0, 1.0, 0);
         behind.material = 1;
         let judge = Reference::new(&Scene {
             sky: Sky::Color(Vec3::ZERO),
-            materials: vec![scene.materials[0].clone(), lamp(Vec3::ONE)],
+            materials: vec![scene.materials[0].clone(), emitter(Vec3::ONE)],
             spheres: vec![scene.spheres[0], behind],
             ..scene
         });
@@ -171,8 +158,8 @@ fn glass_ball_lets_its_centred_ray_straight_through() {
 #[test]
 fn glass_wall_bends_by_snell_and_compresses_by_eta_squared() {
     let ior = 1.5f32;
-    let scene = wall(MaterialKind::Glass { ior });
-    let position = Vec3::new(0.0, 3.0, 4.0);
+    let scene = wall(Glass { ior });
+    let position = vec3(0.0, 3.0, 4.0);
     // Light comes from below z = 0, inside the glass, with a gradient that tells its direction.
     let judge = Reference::new(&Scene {
         camera: Camera { position, ..scene.camera },
@@ -200,8 +187,8 @@ fn glass_wall_bends_by_snell_and_compresses_by_eta_squared() {
 /// From inside glass at 60°: total reflection, always.
 #[test]
 fn glass_reflects_all_beyond_the_critical_angle() {
-    let mut scene = wall(MaterialKind::Glass { ior: 1.5 });
-    scene.camera.position = Vec3::new(0.0, 8.0, -4.0);
+    let mut scene = wall(Glass { ior: 1.5 });
+    scene.camera.position = vec3(0.0, 8.0, -4.0);
     scene.sky = Sky::Gradient { bottom: Vec3::ZERO, top: Vec3::ONE };
     let judge = Reference::new(&scene);
     let expected = 0.5 * (1.0 - 8.0 / 80.0f64.sqrt());
@@ -214,13 +201,13 @@ fn glass_reflects_all_beyond_the_critical_angle() {
 /// f32.
 #[test]
 fn path_follows_the_directions_of_the_estimator() {
-    let mut scene = ball(MaterialKind::Diffuse);
-    scene.camera.position = Vec3::new(1.0, 2.0, 3.0);
+    let mut scene = ball(Diffuse);
+    scene.camera.position = vec3(1.0, 2.0, 3.0);
     scene.sky = Sky::Gradient { bottom: Vec3::ZERO, top: Vec3::ONE };
     let n = scene.camera.position.normalize();
     let lane = |v: Vec3| octray::math::Vec3::<f32>::new(v.x, v.y, v.z);
     let mut lobe = scene.clone();
-    lobe.materials[0].kind = MaterialKind::Scatter { roughness: 2.0 };
+    lobe.materials[0].kind = Scatter { roughness: 2.0 };
     let (diffuse, scatter) = (Reference::new(&scene), Reference::new(&lobe));
     for (sampler, sample) in (0..500).flat_map(|sample| [(Sampler::Sobol, sample), (Sampler::Random, sample)])
     {
@@ -234,17 +221,15 @@ fn path_follows_the_directions_of_the_estimator() {
         let found = diffuse.path(settings, 4, 2, sample)[0];
         // The estimator's sine and cosine are off by up to 8e-7, on a vector of length 2 cos θ before it is
         // normalised.
-        let allowed = 1e-6 / f64::from(Vec3::new(d.x, d.y, d.z).dot(n)) + 2e-6;
+        let allowed = 1e-6 / f64::from(vec3(d.x, d.y, d.z).dot(n)) + 2e-6;
         assert!((found - 0.5 * (f64::from(d.y) + 1.0)).abs() < allowed, "sample {sample}: {d:?}, {found}");
 
         let s = warp::sample_uniform_sphere(u, v);
-        let w = n + Vec3::new(s.x, s.y, s.z) * 2.0;
+        let w = n + vec3(s.x, s.y, s.z) * 2.0;
         let found = scatter.path(settings, 4, 2, sample)[0];
         let expected = if w.dot(n) > 0.0 { 0.5 * (w.normalize().y + 1.0) } else { 0.0 };
-        assert!(
-            (found - f64::from(expected)).abs() < 1e-5 || w.dot(n).abs() < 1e-5,
-            "sample {sample}: {w}, {found}"
-        );
+        let near = (found - f64::from(expected)).abs() < 1e-5;
+        assert!(near || w.dot(n).abs() < 1e-5, "sample {sample}: {w}, {found}");
     }
 }
 
@@ -252,15 +237,11 @@ fn path_follows_the_directions_of_the_estimator() {
 fn mirrors_and_colours_multiply_along_a_path() {
     // Two facing mirrors under a white sky: in at 45°, off one, off the other, away.
     let mut scene = empty();
-    let mirror = Material {
-        color: Vec3::new(0.5, 0.25, 1.0),
-        ..crate::common::material(MaterialKind::Metal { roughness: 0.0 })
-    };
+    let mirror = Material { color: vec3(0.5, 0.25, 1.0), ..material(Metal { roughness: 0.0 }) };
     scene.materials = vec![mirror];
-    let wall = |z: f32| [Vec3::new(-9.0, -3.0, z), Vec3::new(9.0, -3.0, z), Vec3::new(0.0, 2.5, z)];
+    let wall = |z: f32| [vec3(-9.0, -3.0, z), vec3(9.0, -3.0, z), vec3(0.0, 2.5, z)];
     scene.triangles = vec![triangle(wall(0.0), 0), triangle(wall(2.0), 0)];
-    scene.camera =
-        Camera { position: Vec3::new(0.0, -2.0, 1.0), look_at: Vec3::new(0.0, -1.0, 0.0), ..scene.camera };
+    scene.camera = Camera { position: vec3(0.0, -2.0, 1.0), look_at: vec3(0.0, -1.0, 0.0), ..scene.camera };
     // It meets the walls at y = −1 and y = 1, and passes above the first at y = 3.
     let judge = Reference::new(&scene);
     let [r, g, b] = judge.path(one_pixel(8), 0, 0, 0);
@@ -274,14 +255,14 @@ fn camera_rays_span_the_field_of_view() {
     let judge = Reference::new(&scene);
     let (origin, upper_left) = judge.camera_ray([200, 100], 0.0, 0.0);
     assert_eq!(origin, DVec3::Z * 5.0);
-    assert!(upper_left.distance(DVec3::new(-2.0, 1.0, -1.0).normalize()) < 1e-12, "{upper_left}");
+    assert!(upper_left.distance(dvec3(-2.0, 1.0, -1.0).normalize()) < 1e-12, "{upper_left}");
     let (_, centre) = judge.camera_ray([200, 100], 100.0, 50.0);
     assert!(centre.distance(-DVec3::Z) < 1e-12);
 }
 
 #[test]
 fn pixel_is_the_average_of_its_paths() {
-    let judge = Reference::new(&wide(ball(MaterialKind::Scatter { roughness: 1.0 })));
+    let judge = Reference::new(&wide(ball(Scatter { roughness: 1.0 })));
     let settings = PathSettings { resolution: [4, 3], max_bounces: 3, seed: 1, sampler: Default::default() };
     let sum: f64 = (0..10).map(|sample| judge.path(settings, 1, 2, sample)[1]).sum();
     assert_eq!(judge.pixel(settings, 1, 2, 10)[1], sum / 10.0);

@@ -1,9 +1,6 @@
 //! Small scenes that one ray is enough for.
 
-use crate::common::{self, material, sphere, triangle};
-use glam::{Vec2, Vec3};
-use octray::reference::PathSettings;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Texels, Texture};
+use crate::common::{self, *};
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z through so narrow a lens that all rays are one.
 pub fn empty() -> Scene {
@@ -15,10 +12,6 @@ pub fn one_pixel(max_bounces: u32) -> PathSettings {
     PathSettings { resolution: [1, 1], max_bounces, seed: 7, sampler: Default::default() }
 }
 
-pub fn lamp(radiance: Vec3) -> Material {
-    Material { color: Vec3::ZERO, emission: radiance, ..material(MaterialKind::Emitter) }
-}
-
 /// A unit sphere at the origin.
 pub fn ball(kind: MaterialKind) -> Scene {
     Scene { materials: vec![material(kind)], spheres: vec![sphere(Vec3::ZERO, 1.0, 0)], ..empty() }
@@ -26,7 +19,7 @@ pub fn ball(kind: MaterialKind) -> Scene {
 
 /// A triangle in the plane z = 0, large enough to fill the view.
 pub fn wall(kind: MaterialKind) -> Scene {
-    let vertices = [Vec3::new(-9.0, -9.0, 0.0), Vec3::new(9.0, -9.0, 0.0), Vec3::new(0.0, 18.0, 0.0)];
+    let vertices = [vec3(-9.0, -9.0, 0.0), vec3(9.0, -9.0, 0.0), vec3(0.0, 18.0, 0.0)];
     Scene {
         materials: vec![material(kind)],
         triangles: vec![triangle(vertices, 0)],

@@ -1,10 +1,7 @@
 //! How pictures lie on the sky, on spheres and on triangles, seen through whole paths.
 
-use super::scenes::{empty, lamp, numbered, one_pixel, wall};
-use crate::common::sphere;
-use glam::{Vec2, Vec3};
-use octray::reference::Reference;
-use octray::scene::{Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere};
+use super::scenes::{empty, numbered, one_pixel, wall};
+use crate::common::*;
 
 /// What the scene shows to an eye at `position` that looks at `look_at`.
 fn seen(scene: Scene, position: Vec3, look_at: Vec3) -> [f64; 3] {
@@ -16,22 +13,25 @@ fn seen(scene: Scene, position: Vec3, look_at: Vec3) -> [f64; 3] {
 
 fn sky(filter: Filter, direction: Vec3) -> [f64; 3] {
     let scene = Scene {
-        sky: Sky::Texture { texture: 0, color: Vec3::new(1.0, 1.0, 0.5), turn: 0.0 },
+        sky: Sky::Texture { texture: 0, color: vec3(1.0, 1.0, 0.5), turn: 0.0 },
         textures: vec![numbered(8, 4, filter)],
         ..empty()
     };
     seen(scene, Vec3::ZERO, direction)
 }
 
-/// A ball seen from outside.
-fn globe(filter: Filter, texture_turn: f32, texture_side: Side, from: Vec3) -> [f64; 3] {
-    let scene = Scene {
-        materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
+fn textured_ball(filter: Filter, texture_turn: f32, texture_side: Side) -> Scene {
+    Scene {
+        materials: vec![Material { texture: Some(0), ..lamp(1.0) }],
         textures: vec![numbered(8, 4, filter)],
         spheres: vec![Sphere { texture_turn, texture_side, ..sphere(Vec3::ZERO, 1.0, 0) }],
         ..empty()
-    };
-    seen(scene, from * 5.0, Vec3::ZERO)
+    }
+}
+
+/// A ball seen from outside.
+fn globe(filter: Filter, turn: f32, side: Side, from: Vec3) -> [f64; 3] {
+    seen(textured_ball(filter, turn, side), from * 5.0, Vec3::ZERO)
 }
 
 #[track_caller]
@@ -43,7 +43,7 @@ fn assert_near(found: [f64; 3], expected: [f64; 3]) {
 /// Horizontal direction at u turns from +x towards +z.
 fn at(u: f32) -> Vec3 {
     let angle = u * std::f32::consts::TAU;
-    Vec3::new(angle.cos(), 0.0, angle.sin())
+    vec3(angle.cos(), 0.0, angle.sin())
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn bilinear_wraps_columns_and_stops_at_the_poles() {
         assert_near(show(at(2.5 / 8.0)), [2.0, 1.5, blue]);
         assert_near(show(at(0.0)), [3.5, 1.5, blue]);
         assert_near(show(at(7.75 / 8.0)), [7.0 * 0.75, 1.5, blue]);
-        let steep = Vec3::new(1e-4, 1.0, 1e-4);
+        let steep = vec3(1e-4, 1.0, 1e-4);
         assert_near([0.0, show(steep)[1], 0.0], [0.0; 3]);
         assert_near([0.0, show(-steep)[1], 0.0], [0.0, 3.0, 0.0]);
         assert!(show(Vec3::Y).iter().chain(&show(-Vec3::Y)).all(|channel| channel.is_finite()));
@@ -96,24 +96,19 @@ fn pictures_from_outside_are_those_from_inside_mirrored() {
 
 #[test]
 fn a_texture_stays_put_when_seen_from_inside() {
-    let scene = Scene {
-        materials: vec![Material { texture: Some(0), ..lamp(Vec3::ONE) }],
-        textures: vec![numbered(8, 4, Filter::Nearest)],
-        spheres: vec![Sphere { texture_side: Side::Inside, ..sphere(Vec3::ZERO, 1.0, 0) }],
-        ..empty()
-    };
-    assert_eq!(seen(scene, Vec3::ZERO, at(0.3) + Vec3::Y * 0.01)[..2], [2.0, 1.0]);
+    let ball = textured_ball(Filter::Nearest, 0.0, Side::Inside);
+    assert_eq!(seen(ball, Vec3::ZERO, at(0.3) + Vec3::Y * 0.01)[..2], [2.0, 1.0]);
 }
 
 /// uv = (x, y) / 9 over the wall, the picture's upper edge at v = 1, repeated in both directions.
 #[test]
 fn triangles_wrap_both_ways_and_count_rows_from_the_top() {
     let show = |filter, x: f32, y: f32| {
-        let mut scene = wall(MaterialKind::Emitter);
-        scene.materials[0] = Material { texture: Some(0), ..lamp(Vec3::ONE) };
+        let mut scene = wall(Emitter);
+        scene.materials[0] = Material { texture: Some(0), ..lamp(1.0) };
         scene.textures = vec![numbered(4, 4, filter)];
-        scene.uvs = vec![scene.triangles[0].vertices.map(|p| Vec2::new(p.x, p.y) / 9.0)];
-        let point = Vec3::new(x, y, 0.0) * 9.0;
+        scene.uvs = vec![scene.triangles[0].vertices.map(|p| vec2(p.x, p.y) / 9.0)];
+        let point = vec3(x, y, 0.0) * 9.0;
         seen(scene, point + Vec3::Z, point)
     };
     assert_eq!(show(Filter::Nearest, 0.3, 0.9), [1.0, 0.0, 1.0]);

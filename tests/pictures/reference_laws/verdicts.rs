@@ -2,110 +2,58 @@
 //! sabotaged.
 
 use super::scenes::empty;
-use crate::common::{Rng, sphere, triangle};
-use glam::Vec3;
-use octray::reference::{Reference, Verdict};
-use octray::scene::{Scene, Sphere, Triangle};
+use crate::common::rays::Set;
+use crate::common::*;
+use octray::reference::Verdict;
 
-const MISS: u32 = u32::MAX;
-
-/// Random numbers in single precision.
-trait Rng32 {
-    fn direction32(&mut self) -> Vec3;
-    fn scale32(&mut self, low: f64, high: f64) -> f32;
+fn direction(rng: &mut Rng) -> Vec3 {
+    rng.direction().as_vec3()
 }
 
-impl Rng32 for Rng {
-    fn direction32(&mut self) -> Vec3 {
-        self.direction().as_vec3()
-    }
-    fn scale32(&mut self, low: f64, high: f64) -> f32 {
-        self.scale(low, high) as f32
-    }
+fn scale(rng: &mut Rng, low: f64, high: f64) -> f32 {
+    rng.scale(low, high) as f32
 }
 
-/// The sphere of Ray Tracing Gems, ch. 7, in f32: its roots, lower first.
-fn robust_roots(origin: Vec3, d: Vec3, sphere: &Sphere) -> Option<[f32; 2]> {
-    let oc = sphere.center - origin;
-    let (a, b) = (d.dot(d), oc.dot(d));
-    let discriminant = sphere.radius * sphere.radius - (oc - d * (b / a)).length_squared();
-    let q = b + (a * discriminant.max(0.0)).sqrt().copysign(b);
-    let (t0, t1) = ((oc.dot(oc) - sphere.radius * sphere.radius) / q, q / a);
-    (discriminant >= 0.0).then_some([t0.min(t1), t0.max(t1)])
+/// What the engine's equations find nearest, in a direction of unit length.
+fn nearest(scene: &Scene, sphere: SphereChoice, origin: Vec3, d: Vec3) -> [u32; 4] {
+    let list = List::new(scene, Methods { sphere, ..Methods::default() });
+    Set::of(&[ray(origin, d)]).nearest::<f32>(&list, None)[0]
 }
-
-/// The sphere of every schoolbook, in f32.
-fn naive_roots(origin: Vec3, d: Vec3, sphere: &Sphere) -> Option<[f32; 2]> {
-    let oc = origin - sphere.center;
-    let (a, b, c) = (d.dot(d), 2.0 * oc.dot(d), oc.dot(oc) - sphere.radius * sphere.radius);
-    let discriminant = b * b - 4.0 * a * c;
-    let root = discriminant.max(0.0).sqrt();
-    (discriminant >= 0.0).then_some([(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)])
-}
-
-/// Woop's watertight triangle in f32, without the fallback to f64: t, and the weights of the second and third
-/// vertex.
-fn woop(origin: Vec3, d: Vec3, triangle: &Triangle) -> Option<(f32, [f32; 2])> {
-    let z = if d.x.abs() > d.y.abs().max(d.z.abs()) { 0 } else { 1 + usize::from(d.z.abs() >= d.y.abs()) };
-    let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-    let (shear_x, shear_y, scale) = (d[x] / d[z], d[y] / d[z], 1.0 / d[z]);
-    let [a, b, c] = triangle.vertices.map(|vertex| {
-        let v = vertex - origin;
-        [v[x] - shear_x * v[z], v[y] - shear_y * v[z], scale * v[z]]
-    });
-    let u = c[0] * b[1] - c[1] * b[0];
-    let v = a[0] * c[1] - a[1] * c[0];
-    let w = b[0] * a[1] - b[1] * a[0];
-    let det = u + v + w;
-    let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
-    let t = (u * a[2] + v * b[2] + w * c[2]) / det;
-    (!outside && det != 0.0 && t > 0.0).then_some((t, [v / det, w / det]))
-}
-
-type Roots = fn(Vec3, Vec3, &Sphere) -> Option<[f32; 2]>;
 
 /// The nearest hit of everything: what a kernel under test answers.
-fn answer(scene: &Scene, roots: Roots, origin: Vec3, d: Vec3) -> (f32, u32) {
-    let spheres = scene
-        .spheres
-        .iter()
-        .map(|sphere| roots(origin, d, sphere).and_then(|roots| roots.into_iter().find(|&t| t > 0.0)));
-    let triangles = scene.triangles.iter().map(|triangle| woop(origin, d, triangle).map(|(t, _)| t));
-    let mut nearest = (f32::INFINITY, MISS);
-    for (index, t) in spheres.chain(triangles).enumerate() {
-        if t.is_some_and(|t| t < nearest.0) {
-            nearest = (t.unwrap(), index as u32);
-        }
-    }
-    nearest
+fn answer(scene: &Scene, sphere: SphereChoice, origin: Vec3, d: Vec3) -> (f32, u32) {
+    // A power of two, which rounds nothing.
+    let length = d.length().log2().round().exp2();
+    let [t, primitive, ..] = nearest(scene, sphere, origin, d / length);
+    (f32::from_bits(t) / length, primitive)
 }
 
 fn judge(scene: &Scene, origin: Vec3, d: Vec3, (t, primitive): (f32, u32)) -> Verdict {
     Reference::new(scene).check_primary(origin.to_array(), d.to_array(), t, primitive)
 }
 
-/// A direction from `origin` towards `target`, of some length.
+/// A direction from `origin` towards `target`, of some power of two as its length.
 fn aim(rng: &mut Rng, origin: Vec3, target: Vec3) -> Vec3 {
-    (target - origin).normalize() * rng.scale32(0.1, 10.0)
+    (target - origin).normalize() * [0.125, 0.5, 1.0, 8.0][rng.index(4)]
 }
 
 /// One sphere, a ray aimed within 1.2 radii of its centre: every distance and size, eyes inside, outside and
 /// lifted off the surface; and a ray in three straight at the outline.
 fn sphere_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
-    let radius = rng.scale32(1e-6, 1e6);
-    let center = rng.direction32() * rng.scale32(1e-3, 1e3);
-    let normal = rng.direction32();
+    let radius = scale(rng, 1e-6, 1e6);
+    let center = direction(rng) * scale(rng, 1e-3, 1e3);
+    let normal = direction(rng);
     let height = match (rng.unit() * 4.0) as u32 {
-        0 => 1.0 + rng.scale32(1e-5, 1e5),
+        0 => 1.0 + scale(rng, 1e-5, 1e5),
         1 => rng.unit() as f32,
         2 => 1.0 + 2e-6,
         _ => 1.0 - 2e-6,
     };
     let origin = center + normal * radius * height;
-    let aside = rng.direction32().cross(normal).normalize();
-    let offset = if rng.unit() < 0.33 { rng.scale32(0.9999, 1.0001) } else { 1.2 * rng.unit().sqrt() as f32 };
+    let aside = direction(rng).cross(normal).normalize();
+    let offset = if rng.unit() < 0.33 { scale(rng, 0.9999, 1.0001) } else { 1.2 * rng.unit().sqrt() as f32 };
     let target =
-        if height > 1.0001 { center + aside * radius * offset } else { origin + rng.direction32() * radius };
+        if height > 1.0001 { center + aside * radius * offset } else { origin + direction(rng) * radius };
     let d = aim(rng, origin, target);
     (Scene { spheres: vec![sphere(center, radius, 0)], ..empty() }, origin, d)
 }
@@ -113,20 +61,20 @@ fn sphere_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
 /// One triangle, from round to sliver, at every size and distance; a ray in three at an edge, one in three
 /// edge-on.
 fn triangle_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
-    let (size, distance) = (rng.scale32(1e-3, 1e3), rng.scale32(1e-2, 1e4));
-    let corner = rng.direction32() * rng.scale32(1e-2, 1e2);
-    let edge = rng.direction32() * size;
-    let height = rng.direction32().cross(edge).normalize() * size * rng.scale32(1e-4, 1.0);
+    let (size, distance) = (scale(rng, 1e-3, 1e3), scale(rng, 1e-2, 1e4));
+    let corner = direction(rng) * scale(rng, 1e-2, 1e2);
+    let edge = direction(rng) * size;
+    let height = direction(rng).cross(edge).normalize() * size * scale(rng, 1e-4, 1.0);
     let vertices = [corner, corner + edge, corner + edge * rng.unit() as f32 + height];
     let (kind, u, v) = (rng.unit(), rng.unit() as f32, rng.unit() as f32);
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-    let v = if kind < 0.33 { rng.scale32(1e-9, 1e-5) } else { v };
+    let v = if kind < 0.33 { scale(rng, 1e-9, 1e-5) } else { v };
     let target = vertices[0] + (vertices[1] - vertices[0]) * u + (vertices[2] - vertices[0]) * v;
     let away = if kind > 0.67 {
         (edge.normalize() * rng.signed() as f32 + height.normalize() * rng.signed() as f32).normalize()
-            + rng.direction32() * rng.scale32(1e-8, 1e-2)
+            + direction(rng) * scale(rng, 1e-8, 1e-2)
     } else {
-        rng.direction32()
+        direction(rng)
     };
     let origin = target + away.normalize() * size * distance;
     let d = aim(rng, origin, target);
@@ -140,16 +88,11 @@ fn rounding_of_a_good_kernel_is_right() {
         let mut hits = 0;
         for ray in 0..100_000 {
             let (scene, origin, d) = recipe(&mut rng);
-            let found = answer(&scene, robust_roots, origin, d);
+            let found = answer(&scene, SphereChoice::Robust, origin, d);
             hits += u32::from(found.1 != MISS);
             let verdict = judge(&scene, origin, d, found);
-            assert_eq!(
-                verdict,
-                Verdict::Right,
-                "ray {ray}: {origin:?} {d:?} {found:?} {:?} {:?}",
-                scene.spheres,
-                scene.triangles
-            );
+            let things = (&scene.spheres, &scene.triangles);
+            assert_eq!(verdict, Verdict::Right, "ray {ray}: {origin:?} {d:?} {found:?} {things:?}");
         }
         assert!((40_000..95_000).contains(&hits), "{hits} hits: both answers are put to the test");
     }
@@ -163,15 +106,16 @@ fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
     let (mut judged, mut flagged) = (0, [0; 4]);
     for ray in 0..100_000 {
         let (scene, origin, d) = triangle_recipe(&mut rng);
-        let Some((_, [u, v])) = woop(origin, d, &scene.triangles[0]) else { continue };
+        let d = d.normalize();
+        let [_, primitive, u, v] = nearest(&scene, SphereChoice::Robust, origin, d);
+        if primitive == MISS {
+            continue;
+        }
+        let [u, v] = [u, v].map(f32::from_bits);
         let reference = Reference::new(&scene);
         let verdict = |weights| reference.check_weights(origin.to_array(), d.to_array(), 0, weights);
-        assert_eq!(
-            verdict([u, v]),
-            Verdict::Right,
-            "ray {ray}: {origin:?} {d:?} {u} {v} {:?}",
-            scene.triangles
-        );
+        let told = format!("ray {ray}: {origin:?} {d:?} {u} {v} {:?}", scene.triangles);
+        assert_eq!(verdict([u, v]), Verdict::Right, "{told}");
         judged += 1;
         for weights in [[f32::NAN, v], [u, f32::NAN], [-1e-3, v], [u, 1.001 - u]] {
             assert_eq!(verdict(weights), Verdict::Invalid);
@@ -183,7 +127,6 @@ fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
             *count += u32::from(verdict(weights) != Verdict::Right);
         }
     }
-    println!("{judged} hits, flagged {flagged:?}");
     assert!(judged > 40_000, "{judged}");
     let least = [0.8, 0.8, 0.6, 0.2];
     for (count, least) in flagged.into_iter().zip(least) {
@@ -200,16 +143,15 @@ fn rounding_of_a_naive_kernel_is_flagged() {
     for (distance, least) in [(100.0, 0.5), (4096.0, 0.9)] {
         let (mut flagged_naive, mut flagged_robust) = (0, 0);
         for _ in 0..20_000 {
-            let eye = rng.direction32() * distance;
-            let target = rng.direction32().cross(eye).normalize() * 1.2 * rng.unit().sqrt() as f32;
+            let eye = direction(&mut rng) * distance;
+            let target = direction(&mut rng).cross(eye).normalize() * 1.2 * rng.unit().sqrt() as f32;
             let d = (target - eye).normalize();
             let wrong = |roots| judge(&scene, eye, d, answer(&scene, roots, eye, d)) != Verdict::Right;
-            flagged_naive += u32::from(wrong(naive_roots));
-            flagged_robust += u32::from(wrong(robust_roots));
+            flagged_naive += u32::from(wrong(SphereChoice::Naive));
+            flagged_robust += u32::from(wrong(SphereChoice::Robust));
         }
         // A third of the rays miss by far, which nobody gets wrong at 100.
         let share = f64::from(flagged_naive) / 20_000.0;
-        println!("distance {distance}: {share} of the naive answers flagged");
         assert!(share > least * 0.3, "distance {distance}: {share}");
         assert_eq!(flagged_robust, 0);
     }
@@ -221,16 +163,20 @@ fn every_sabotage_is_flagged() {
     let mut rng = Rng(9);
     let mut scene = empty();
     for _ in 0..30 {
-        scene.spheres.push(sphere(rng.direction32() * rng.scale32(0.5, 4.0), rng.scale32(0.1, 0.5), 0));
-        let center = rng.direction32() * rng.scale32(0.5, 4.0);
-        scene.triangles.push(triangle([0, 1, 2].map(|_| center + rng.direction32() * 0.5), 0));
+        scene.spheres.push(sphere(
+            direction(&mut rng) * scale(&mut rng, 0.5, 4.0),
+            scale(&mut rng, 0.1, 0.5),
+            0,
+        ));
+        let center = direction(&mut rng) * scale(&mut rng, 0.5, 4.0);
+        scene.triangles.push(triangle([0, 1, 2].map(|_| center + direction(&mut rng) * 0.5), 0));
     }
     let reference = Reference::new(&scene);
     let (mut judged, mut shifted, mut behind) = (0, [0; 2], 0);
     for _ in 0..20_000 {
-        let (origin, target) = (rng.direction32() * 6.0, rng.direction32() * 3.0 * rng.unit() as f32);
+        let (origin, target) = (direction(&mut rng) * 6.0, direction(&mut rng) * 3.0 * rng.unit() as f32);
         let d = aim(&mut rng, origin, target);
-        let (t, primitive) = answer(&scene, robust_roots, origin, d);
+        let (t, primitive) = answer(&scene, SphereChoice::Robust, origin, d);
         let verdict = |t, primitive| reference.check_primary(origin.to_array(), d.to_array(), t, primitive);
         assert_eq!(verdict(t, primitive), Verdict::Right);
         // That a miss is right says that the judge sees nothing either.
@@ -265,25 +211,19 @@ fn every_sabotage_is_flagged() {
         let mut without = scene.clone();
         match primitive as usize {
             lost @ 0..30 => without.spheres[lost].center = Vec3::X * 1e4,
-            lost => {
-                without.triangles[lost - 30].vertices = [Vec3::X, Vec3::Y, Vec3::Z].map(|v| v + Vec3::X * 1e4)
-            }
+            lost => without.triangles[lost - 30].vertices = Vec3::AXES.map(|v| v + Vec3::X * 1e4),
         }
-        let (next, hidden) = answer(&without, robust_roots, origin, d);
+        let (next, hidden) = answer(&without, SphereChoice::Robust, origin, d);
         if next > t * 1.01 {
             behind += 1;
             let overlooked = verdict(next, hidden);
-            assert!(
-                matches!(overlooked, Verdict::Overlooked { primitive: p, .. } if p == primitive),
-                "{overlooked:?}"
-            );
+            let is_first = matches!(overlooked, Verdict::Overlooked { primitive: p, .. } if p == primitive);
+            assert!(is_first, "{overlooked:?}");
         }
     }
     assert!(judged > 5_000 && behind > 5_000, "{judged} rays judged, {behind} with the first hit lost");
-    assert!(
-        shifted.iter().all(|&flagged| f64::from(flagged) > 0.99 * f64::from(judged)),
-        "{shifted:?} of {judged}"
-    );
+    let all = shifted.iter().all(|&flagged| f64::from(flagged) > 0.99 * f64::from(judged));
+    assert!(all, "{shifted:?} of {judged}");
 }
 
 #[test]
@@ -298,8 +238,7 @@ fn far_root_of_a_sphere_seen_from_outside_is_flagged() {
 /// Of two surfaces one rounding apart either may be named; of two a hundred apart only the nearer.
 #[test]
 fn nearly_equal_distances_may_be_swapped_and_others_not() {
-    let at =
-        |z: f32| triangle([Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, -1.0, z), Vec3::new(0.0, 2.0, z)], 0);
+    let at = |z: f32| triangle([vec3(-1.0, -1.0, z), vec3(1.0, -1.0, z), vec3(0.0, 2.0, z)], 0);
     let gap = |gap: f32| Scene { triangles: vec![at(0.0), at(-gap)], ..empty() };
     assert_eq!(judge(&gap(5e-7), Vec3::Z * 5.0, -Vec3::Z, (5.0, 1)), Verdict::Right);
     let swapped = judge(&gap(1e-4), Vec3::Z * 5.0, -Vec3::Z, (5.0001, 1));

@@ -1,7 +1,7 @@
 //! Triangles and cameras of glTF models: nodes, accessors, modes.
 
-use super::{floats, model, placed, read, read_with, refused, square};
-use glam::Vec3;
+use super::{append, floats, model, placed, read, read_with, refused, square};
+use glam::{Vec3, vec3};
 use serde_json::json;
 
 #[test]
@@ -59,6 +59,7 @@ fn strips_fans_and_missing_indices_make_the_triangles_of_the_standard() {
 
 #[test]
 fn numbers_may_be_quantised_and_sparse() {
+    let mut binary = square();
     let json = model(|json| {
         // Bytes of 127 are 1 if normalised.
         json["accessors"][0] = json!({
@@ -69,16 +70,12 @@ fn numbers_may_be_quantised_and_sparse() {
                 "values": { "bufferView": 3, "byteOffset": 2 }
             }
         });
-        let views = json["bufferViews"].as_array_mut().unwrap();
-        views.push(json!({ "buffer": 0, "byteOffset": 136, "byteLength": 16, "byteStride": 4 }));
-        views.push(json!({ "buffer": 0, "byteOffset": 152, "byteLength": 6 }));
-        json["buffers"][0]["byteLength"] = json!(158);
+        let bytes = [0, 0, 0, 99, 127, 0, 0, 99, 127, 127, 0, 99, 0, 127, 0, 99];
+        append(json, &mut binary, &bytes, json!({ "byteStride": 4 }));
+        append(json, &mut binary, &[2, 0, 127, 127, (-127_i8) as u8, 0], json!({}));
     });
-    let mut binary = square();
-    binary.extend([0, 0, 0, 99, 127, 0, 0, 99, 127, 127, 0, 99, 0, 127, 0, 99]);
-    binary.extend([2, 0, 127, 127, (-127_i8) as u8, 0]);
     let scene = read_with(&json, &binary).unwrap().scene;
-    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, -1.0)]);
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, -1.0)]);
     assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);
 }
 
@@ -91,7 +88,7 @@ fn cameras_look_along_minus_z_of_their_node() {
         json["scenes"][0]["nodes"] = json!([0, 1]);
     }));
     let camera = scene.camera;
-    assert_eq!((camera.position, camera.up), (Vec3::new(0.0, 0.0, 7.0), Vec3::NEG_Y));
+    assert_eq!((camera.position, camera.up), (vec3(0.0, 0.0, 7.0), Vec3::NEG_Y));
     assert_eq!((camera.look_at - camera.position).normalize(), Vec3::NEG_Z);
     assert!((camera.vertical_fov - 28.65).abs() < 0.01);
 }
@@ -107,13 +104,13 @@ fn normals_stay_upright_where_nodes_stretch() {
         model(|json| json["nodes"][0] = json!({ "mesh": 0, "translation": [1, 0, 0], "scale": [2, 1, 1] }));
     let scene = placed(&json, &binary, json!({ "rotate_degrees": [0, 0, 90], "translate": [5, 0, 0] }));
     // Twice as long in x, then turned from x to y.
-    let wanted = normals.map(|[x, y, z]: [f32; 3]| Vec3::new(-y, x / 2.0, z).normalize());
+    let wanted = normals.map(|[x, y, z]: [f32; 3]| vec3(-y, x / 2.0, z).normalize());
     for (triangle, corners) in [[0, 1, 2], [0, 2, 3]].into_iter().enumerate() {
         for (found, corner) in scene.normals[triangle].iter().zip(corners) {
             assert!(found.abs_diff_eq(wanted[corner], 1e-6), "{corner}: {found}, not {}", wanted[corner]);
         }
     }
-    assert_eq!(scene.triangles[0].vertices[..2], [Vec3::new(5.0, 1.0, 0.0), Vec3::new(5.0, 3.0, 0.0)]);
+    assert_eq!(scene.triangles[0].vertices[..2], [vec3(5.0, 1.0, 0.0), vec3(5.0, 3.0, 0.0)]);
 }
 
 #[test]
@@ -130,37 +127,33 @@ fn numbers_of_every_type_are_normalised_by_their_largest() {
         let corners =
             [[&zero, &zero, &least], [&most, &zero, &zero], [&most, &most, &zero], [&zero, &most, &zero]];
         let bytes: Vec<u8> = corners.into_iter().flatten().flatten().copied().collect();
+        let mut binary = square();
         let json = model(|json| {
             json["accessors"][0] = json!({
                 "bufferView": 2, "componentType": kind, "count": 4, "type": "VEC3", "normalized": true
             });
-            let view = json!({ "buffer": 0, "byteOffset": 136, "byteLength": bytes.len() });
-            json["bufferViews"].as_array_mut().unwrap().push(view);
-            json["buffers"][0]["byteLength"] = json!(136 + bytes.len());
+            append(json, &mut binary, &bytes, json!({}));
         });
-        let scene = read_with(&json, &[square(), bytes].concat()).unwrap().scene;
-        let wanted = [Vec3::new(0.0, 0.0, lowest), Vec3::X, Vec3::new(1.0, 1.0, 0.0)];
+        let scene = read_with(&json, &binary).unwrap().scene;
+        let wanted = [vec3(0.0, 0.0, lowest), Vec3::X, vec3(1.0, 1.0, 0.0)];
         assert_eq!(scene.triangles[0].vertices, wanted, "{kind}");
     }
 }
 
 #[test]
 fn sparse_numbers_without_a_view_replace_zeros_from_their_offsets() {
+    let mut binary = square();
     let json = model(|json| {
         json["accessors"][0] = json!({ "componentType": 5126, "count": 4, "type": "VEC3", "sparse": {
             "count": 3,
             "indices": { "bufferView": 2, "byteOffset": 3, "componentType": 5121 },
             "values": { "bufferView": 2, "byteOffset": 8 }
         } });
-        let view = json!({ "buffer": 0, "byteOffset": 136, "byteLength": 44 });
-        json["bufferViews"].as_array_mut().unwrap().push(view);
-        json["buffers"][0]["byteLength"] = json!(180);
+        let corners = floats(&[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+        append(json, &mut binary, &[vec![0, 0, 0, 1, 2, 3, 0, 0], corners].concat(), json!({}));
     });
-    let mut binary = square();
-    binary.extend([0, 0, 0, 1, 2, 3, 0, 0]);
-    binary.extend(floats(&[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]));
     let scene = read_with(&json, &binary).unwrap().scene;
-    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]);
+    assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, 0.0)]);
     assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);
 }
 
@@ -185,7 +178,7 @@ fn scenes_matrices_and_cameras_are_the_ones_that_are_named() {
     let scene = read(&model(|json| {
         json["nodes"][0]["matrix"] = json!([0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1]);
     }));
-    assert_eq!(scene.triangles[0].vertices[..2], [Vec3::new(5.0, 0.0, 0.0), Vec3::new(5.0, 1.0, 0.0)]);
+    assert_eq!(scene.triangles[0].vertices[..2], [vec3(5.0, 0.0, 0.0), vec3(5.0, 1.0, 0.0)]);
     let scene = read(&model(|json| {
         json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "translation": [0, 0, 3] }]);
         json["scenes"] = json!([{ "nodes": [0] }, { "nodes": [1] }]);

@@ -1,7 +1,7 @@
 //! Materials, textures and vertex colours of glTF models.
 
-use super::{Loaded, floats, material, model, pictured, read_with, square};
-use glam::{DVec3, Vec2, Vec3};
+use super::{Loaded, floats, material, model, pictured, push, put_colours, read_with, square};
+use glam::{DVec3, Vec2, Vec3, vec2, vec3};
 use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, convert_model, load};
 use serde_json::{Value, json};
 use std::fs;
@@ -18,7 +18,7 @@ fn materials_are_those_of_the_standard() {
             "KHR_materials_ior": { "ior": 1.8 }, "KHR_materials_emissive_strength": { "emissiveStrength": 4 }
         });
     });
-    assert_eq!((rich.color, rich.emission), (Vec3::new(0.1, 0.2, 0.3), Vec3::new(4.0, 2.0, 0.0)));
+    assert_eq!((rich.color, rich.emission), (vec3(0.1, 0.2, 0.3), vec3(4.0, 2.0, 0.0)));
     assert_eq!(rich.kind, MaterialKind::MetalRough { roughness: 0.5, metallic: 0.25, ior: 1.8 });
     let (glass, _) = material(|json| {
         json["pbrMetallicRoughness"] =
@@ -27,12 +27,12 @@ fn materials_are_those_of_the_standard() {
             "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.33 }
         });
     });
-    assert_eq!((glass.kind, glass.color), (MaterialKind::Glass { ior: 1.33 }, Vec3::new(0.5, 1.0, 1.0)));
+    assert_eq!((glass.kind, glass.color), (MaterialKind::Glass { ior: 1.33 }, vec3(0.5, 1.0, 1.0)));
     let (unlit, _) = material(|json| {
         json["pbrMetallicRoughness"] = json!({ "baseColorFactor": [0.1, 0.2, 0.3, 1] });
         json["extensions"] = json!({ "KHR_materials_unlit": {} });
     });
-    assert_eq!((unlit.kind, unlit.emission), (MaterialKind::Emitter, Vec3::new(0.1, 0.2, 0.3)));
+    assert_eq!((unlit.kind, unlit.emission), (MaterialKind::Emitter, vec3(0.1, 0.2, 0.3)));
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn textures_have_their_places_and_coordinates() {
     let wanted = 0.5 * DVec3::new(0.5, -0.5, -1.0).normalize() + 0.5;
     assert!(Vec3::from_slice(&texels[0]).abs_diff_eq(wanted.as_vec3(), 1e-6), "{texels:?}");
     // The upper left corner of the picture is (0, 0) in the file: (0.5, 0.25) after the transform.
-    assert_eq!(scene.uvs[1][2], Vec2::new(0.5, 0.75));
+    assert_eq!(scene.uvs[1][2], vec2(0.5, 0.75));
     assert_eq!(scene.uvs[0], [[0.5, -3.25], [2.5, -3.25], [2.5, 0.75]].map(Vec2::from));
     assert_eq!(scaled.emission_map, None);
     let warning = &scene.warnings[0];
@@ -81,31 +81,22 @@ fn textures_have_their_places_and_coordinates() {
 
 #[test]
 fn vertex_colours_multiply_and_survive_conversion() {
-    let json = model(|json| {
-        json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(4);
-        let accessor =
-            json!({ "bufferView": 2, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4" });
-        json["accessors"].as_array_mut().unwrap().push(accessor);
-        json["bufferViews"]
-            .as_array_mut()
-            .unwrap()
-            .push(json!({ "buffer": 0, "byteOffset": 136, "byteLength": 16 }));
-        json["buffers"][0]["byteLength"] = json!(152);
-    });
     let mut binary = square();
-    binary.extend([255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255]);
+    let json = model(|json| {
+        let bytes = [255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255];
+        let accessor = json!({ "componentType": 5121, "normalized": true, "type": "VEC4" });
+        put_colours(json, &mut binary, &bytes, accessor);
+    });
     let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
     let shown = |scene: &Scene| {
         let material = scene.triangles[0].material;
         let material = Material { name: String::new(), ..scene.materials[material as usize].clone() };
         (scene.textures.clone(), scene.uvs.clone(), material)
     };
-    let target = folder.path().join("s.json");
+    let target = folder.path("s.json");
     let converted = convert_model(&path, &target).unwrap();
-    assert!(
-        converted.pictures.is_empty()
-            && converted.text.contains("\"colors\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]")
-    );
+    assert!(converted.pictures.is_empty());
+    assert!(converted.text.contains(r#""colors": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"#), "{}", converted.text);
     fs::write(&target, converted.text).unwrap();
     let again = load(target.to_str().unwrap()).unwrap();
     assert_eq!(shown(&scene), shown(&again));
@@ -129,7 +120,7 @@ fn texture_coordinates_turn_counter_clockwise_and_stay_at_their_vertices() {
     });
     let scene = read_with(&json, &binary).unwrap().scene;
     for (triangle, uvs) in scene.triangles.iter().zip(&scene.uvs) {
-        assert_eq!(*uvs, triangle.vertices.map(|v| Vec2::new(-v.x, v.y)));
+        assert_eq!(*uvs, triangle.vertices.map(|v| vec2(-v.x, v.y)));
     }
 }
 
@@ -141,7 +132,7 @@ fn textures_use_the_set_of_coordinates_of_the_first_of_them() {
             json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(4);
             // The last two numbers of the normals: (0, 1).
             let accessor = json!({ "bufferView": 0, "byteOffset": 16, "componentType": 5126, "count": 4, "type": "VEC2" });
-            json["accessors"].as_array_mut().unwrap().push(accessor);
+            push(json, "accessors", accessor);
         });
         let scene = read_with(&json, &binary).unwrap().scene;
         assert_eq!(scene.uvs[0], [Vec2::ZERO; 3], "{json}");
@@ -152,17 +143,12 @@ fn textures_use_the_set_of_coordinates_of_the_first_of_them() {
     let of = |texture: &Value| json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } });
     assert_eq!(second(of(&own)).warnings.len(), 0);
     second(of(&other));
-    assert!(
-        second(json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": own } })).materials[0]
-            .roughness_map
-            .is_some()
-    );
-    assert!(second(json!({ "normalTexture": own })).materials[0].normal_map.is_some());
-    assert!(
-        second(json!({ "emissiveTexture": own, "emissiveFactor": [1, 1, 1] })).materials[0]
-            .emission_map
-            .is_some()
-    );
+    let first = |texture: Value| second(texture).materials[0].clone();
+    let rough = json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": own } });
+    assert!(first(rough).roughness_map.is_some());
+    assert!(first(json!({ "normalTexture": own })).normal_map.is_some());
+    let glow = json!({ "emissiveTexture": own, "emissiveFactor": [1, 1, 1] });
+    assert!(first(glow).emission_map.is_some());
     let mut both = of(&own);
     both["normalTexture"] = json!({ "index": 0 });
     let scene = second(both);
@@ -172,25 +158,18 @@ fn textures_use_the_set_of_coordinates_of_the_first_of_them() {
 
 #[test]
 fn vertex_colours_may_be_three_floats_and_end_at_one() {
-    let coloured = |json: &mut Value, length: usize| {
-        json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(4);
-        let view = json["bufferViews"].as_array().unwrap().len();
-        let accessor = json!({ "bufferView": view, "componentType": 5126, "count": 4, "type": "VEC3" });
-        json["accessors"].as_array_mut().unwrap().push(accessor);
-        let view = json!({ "buffer": 0, "byteOffset": length, "byteLength": 48 });
-        json["bufferViews"].as_array_mut().unwrap().push(view);
-        json["buffers"][0]["byteLength"] = json!(length + 48);
+    let coloured = |mut json: Value, mut binary: Vec<u8>| {
+        let colours = floats(&[[2.0, 0.5, 0.0]; 4].concat());
+        put_colours(&mut json, &mut binary, &colours, json!({ "componentType": 5126, "type": "VEC3" }));
+        read_with(&json, &binary).unwrap()
     };
-    let colours = floats(&[[2.0, 0.5, 0.0]; 4].concat());
-    let json = model(|json| coloured(json, 136));
-    let Loaded { folder, path, .. } = read_with(&json, &[square(), colours.clone()].concat()).unwrap();
-    let text = convert_model(&path, &folder.path().join("s.json")).unwrap().text;
-    assert!(text.contains("\"colors\": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0]]"), "{text}");
-    let (mut json, binary) = pictured(|json| {
+    let Loaded { folder, path, .. } = coloured(model(|_| {}), square());
+    let text = convert_model(&path, &folder.path("s.json")).unwrap().text;
+    assert!(text.contains(r#""colors": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0]]"#), "{text}");
+    let (json, binary) = pictured(|json| {
         json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
     });
-    coloured(&mut json, binary.len());
-    let scene = read_with(&json, &[binary, colours].concat()).unwrap().scene;
+    let scene = coloured(json, binary).scene;
     assert!(scene.warnings[0].contains("vertex colours are left out"), "{:?}", scene.warnings);
 }
 

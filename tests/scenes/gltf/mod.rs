@@ -4,11 +4,11 @@ mod files;
 mod geometry;
 mod materials;
 
+use crate::folder::Folder;
 use octray::scene::{Material, Scene, load};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
-use tempfile::TempDir;
 
 /// A binary file of a JSON text and a binary part.
 fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
@@ -57,15 +57,49 @@ fn model(change: impl FnOnce(&mut Value)) -> Value {
     json
 }
 
+/// Puts a value where a path of keys and numbers leads.
+fn put(json: &mut Value, path: &str, value: Value) {
+    fn step<'a>(at: &'a mut Value, key: &str) -> &'a mut Value {
+        match key.parse::<usize>() {
+            Ok(number) => &mut at[number],
+            Err(_) => &mut at[key],
+        }
+    }
+    *path.split('/').fold(json, step) = value;
+}
+
+fn push(json: &mut Value, path: &str, value: Value) -> usize {
+    let list = json[path].as_array_mut().unwrap();
+    list.push(value);
+    list.len() - 1
+}
+
+/// The square and more bytes: with a view of these that has more keys, whose number comes first.
+fn append(json: &mut Value, binary: &mut Vec<u8>, bytes: &[u8], keys: Value) -> usize {
+    let mut view = json!({ "buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len() });
+    view.as_object_mut().unwrap().extend(keys.as_object().unwrap().clone());
+    binary.extend(bytes);
+    json["buffers"][0]["byteLength"] = json!(binary.len());
+    push(json, "bufferViews", view)
+}
+
+/// Gives the square's vertices colours.
+fn put_colours(json: &mut Value, binary: &mut Vec<u8>, bytes: &[u8], mut accessor: Value) {
+    accessor["bufferView"] = json!(append(json, binary, bytes, json!({})));
+    accessor["count"] = json!(4);
+    let number = push(json, "accessors", accessor);
+    put(json, "meshes/0/primitives/0/attributes/COLOR_0", json!(number));
+}
+
 struct Loaded {
     scene: Scene,
-    folder: TempDir,
+    folder: Folder,
     path: PathBuf,
 }
 
 fn read_with(json: &Value, binary: &[u8]) -> Result<Loaded, String> {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("m.glb");
+    let folder = Folder::new();
+    let path = folder.path("m.glb");
     fs::write(&path, glb(json, binary)).unwrap();
     let scene = load(path.to_str().unwrap()).map_err(|error| error.to_string())?;
     Ok(Loaded { scene, folder, path })
@@ -94,12 +128,9 @@ fn png() -> Vec<u8> {
 
 /// The square, with the picture in the file.
 fn pictured(change: impl FnOnce(&mut Value)) -> (Value, Vec<u8>) {
-    let (mut binary, picture) = (square(), png());
-    binary.extend(&picture);
+    let mut binary = square();
     let json = model(|json| {
-        let view = json!({ "buffer": 0, "byteOffset": 136, "byteLength": picture.len() });
-        json["bufferViews"].as_array_mut().unwrap().push(view);
-        json["buffers"][0]["byteLength"] = json!(binary.len());
+        append(json, &mut binary, &png(), json!({}));
         json["images"] = json!([{ "bufferView": 2, "mimeType": "image/png" }]);
         json["samplers"] = json!([{ "magFilter": 9728 }]);
         json["textures"] = json!([{ "source": 0 }, { "source": 0, "sampler": 0 }]);
@@ -111,7 +142,7 @@ fn pictured(change: impl FnOnce(&mut Value)) -> (Value, Vec<u8>) {
 /// The square's mesh on a node, in a scene that places the model.
 fn placed(json: &Value, binary: &[u8], placement: Value) -> Scene {
     let Loaded { folder, .. } = read_with(json, binary).unwrap();
-    let path = folder.path().join("s.json");
+    let path = folder.path("s.json");
     let mut mesh = json!({ "model": "m.glb" });
     mesh.as_object_mut().unwrap().extend(placement.as_object().unwrap().clone());
     fs::write(&path, json!({ "format": "octray-1", "meshes": [mesh] }).to_string()).unwrap();

@@ -1,0 +1,65 @@
+//! A folder of the test's own, and files in it.
+#![allow(dead_code)] // Every test file takes its own part.
+
+use octray::scene::{Scene, SceneError, load};
+use std::fs;
+use std::path::PathBuf;
+use tempfile::TempDir;
+
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(TempDir::new().unwrap())
+    }
+
+    /// The place of a file; of the folder itself for "".
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// The same as the command line would name it.
+    pub fn name(&self, name: &str) -> String {
+        self.path(name).to_str().unwrap().to_string()
+    }
+
+    /// Writes a file, and the folders that it lies in; returns its name.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> String {
+        fs::create_dir_all(self.path(name).parent().unwrap()).unwrap();
+        fs::write(self.path(name), content).unwrap();
+        self.name(name)
+    }
+
+    /// Writes a file, and loads it as a scene.
+    pub fn load(&self, name: &str, content: impl AsRef<[u8]>) -> Result<Scene, SceneError> {
+        load(&self.write(name, content))
+    }
+
+    /// Saves a picture of four pixels of one colour.
+    pub fn save_picture(&self, name: &str) {
+        self.write(name, "");
+        image::RgbImage::from_pixel(2, 2, image::Rgb([200, 100, 50])).save(self.path(name)).unwrap();
+    }
+
+    pub fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+
+    /// The names of the files in it.
+    pub fn names(&self) -> Vec<String> {
+        self.names_in("")
+    }
+
+    /// Of those in a folder of it.
+    pub fn names_in(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path(folder)).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}

@@ -58,7 +58,10 @@ fn rays_reports_every_kind_and_way_in_json() {
     assert_eq!(report["spheres"], 0);
     assert!(whole(&report["triangles"]).abs_diff(2_000) < 40, "{report}");
     assert!(report["build_ms"].as_f64().unwrap() > 0.0 && whole(&report["bvh_bytes"]) > 2_000, "{report}");
-    assert!(report["machine"]["cpu"].is_string() && report["tree"]["wide_nodes"].is_u64(), "{report}");
+    assert!(
+        report["settings"]["machine"]["cpu"].is_string() && report["tree"]["wide_nodes"].is_u64(),
+        "{report}"
+    );
     assert_eq!(json!([report["fault"], report["left_out"]]), json!([null, []]));
 
     let names: Vec<Value> = results(&report)
@@ -104,6 +107,10 @@ fn rays_reports_every_kind_and_way_in_json() {
             [&result["mrays_per_s"], &result["mrays_per_s_spread"][0], &result["mrays_per_s_spread"][1]]
                 .map(|rate| rate.as_f64().unwrap());
         assert!(0.0 < low && low <= rate && rate <= high, "{result}");
+        match result["traversal"] == "scalar" {
+            true => assert!(result["over_scalar"].is_null(), "{result}"),
+            false => assert_eq!(result["over_scalar"]["rounds"], 2, "{result}"),
+        }
     }
 }
 
@@ -149,11 +156,24 @@ fn rays_leaves_out_what_would_take_too_long_and_says_so() {
 #[test]
 fn rays_prints_a_row_a_way_and_what_it_means() {
     let desk = Desk::new();
-    let arguments = ["rays", "builtin:knot:2000", "--size", "16x16", "--passes", "1", "--stats"];
-    let shown = desk.octray(&arguments).assert().success();
-    let shown = shown.stdout(contains("\nprimary ").and(contains("Mray/s")).and(contains("bit by bit")));
+    let arguments = ["rays", "builtin:knot:2000", "--size", "16x16", "--passes", "1"];
+    let told = |more: &[&str]| {
+        let shown = desk.octray(&[&arguments[..], more].concat()).assert().success();
+        let shown = shown.stdout(contains("Mray/s").and(contains("bit by bit")));
+        String::from_utf8_lossy(&shown.get_output().stdout).into_owned()
+    };
     // The first line names the machine.
-    assert_fits(String::from_utf8_lossy(&shown.get_output().stdout).split_once('\n').unwrap().1);
+    assert_fits(told(&["--stats"]).split_once('\n').unwrap().1);
+    let rows = |said: &str, start: &str| said.lines().filter(|line| line.starts_with(start)).count();
+    let all = told(&[]);
+    for words in ["\nprimary: 256 rays, ", "; scalar ", "× scalar"] {
+        assert!(all.contains(words), "{words} is not in {all}");
+    }
+    assert_eq!(rows(&all, "  "), 5 + 4 + 4, "scalar rays stand in the line of their kind: {all}");
+    let one = told(&["--traversal", "hybrid", "--threads", "1"]);
+    assert!(one.contains(" – ") && !one.contains("; scalar "), "{one}");
+    assert_eq!(rows(&one, "  hybrid"), 3, "{one}");
+    assert_eq!(rows(&told(&["--traversal", "scalar"]), "  scalar"), 3);
 }
 
 #[test]

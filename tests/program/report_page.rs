@@ -3,12 +3,13 @@
 //! Skipped, saying so, where no browser is installed (Chromium or Chrome; `OCTRAY_BROWSER` names another of
 //! their family).
 
-use octray::machine::Machine;
 use octray::measure::chart::configurations::{GROUPS, of_scene};
 use octray::measure::chart::{Plan, kernels};
 use octray::measure::stability::methods::MEANINGS;
 use octray::report::chart::{Chart, SCHEMA};
 use octray::report::page::page;
+use octray::report::settings::RunSettings;
+use octray::traverse::Methods;
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -32,10 +33,9 @@ fn chart() -> Chart {
     let scenes = vec![plan.chart(&scene, &truth, &|_| ())];
     Chart {
         schema: SCHEMA,
-        machine: Machine::current(),
+        settings: RunSettings { bounces: Some(2), ..RunSettings::of(Methods::default()) },
         budget_s: 0.5,
         seconds: 0.5,
-        max_bounces: 2,
         seeds: 8,
         kernels: kernels::measure(Instant::now()),
         scenes,
@@ -99,7 +99,7 @@ fn page_stands_alone_and_holds_all_figures_and_configurations() {
     for word in ["relMSE", "trimmed", "FLIP", "FXAA", "dominated", "p99"] {
         assert!(page.contains(&format!("<td>{word}</td>")), "{word} is explained");
     }
-    assert!(page.contains(chart.machine.commit) && page.contains("name=\"viewport\""));
+    assert!(page.contains(&chart.settings.machine.commit) && page.contains("name=\"viewport\""));
 }
 
 #[test]

@@ -85,8 +85,8 @@
 #![warn(missing_docs)]
 
 pub use octray_engine::{
-    adaptive, buffers, bvh, camera, choice, display, film, integrate, kernel, lane, math, render, sampling,
-    threads, tone, traverse,
+    adaptive, buffers, bvh, camera, choice, diagnosis, display, film, integrate, kernel, lane, math, render,
+    sampling, threads, tone, traverse,
 };
 pub use octray_formats::{checkpoint, output, scene, wording};
 pub use octray_laboratory::{measure, methods, reference};

@@ -16,6 +16,7 @@ use super::trace::{Traced, trace};
 use crate::adaptive::ErrorEstimate;
 use crate::camera::Tile;
 use crate::checkpoint::{self, Header, Identity, Shard};
+use crate::diagnosis;
 use crate::film::Film;
 use crate::measure::stats::FrameStats;
 use crate::output::{self, Format, OutputError};
@@ -66,7 +67,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
             renderer.set_view(scene, &camera, settings.resolution, settings.max_bounces);
         }
         interrupt::begin();
-        let code = rendering.run(&job, &mut prepared, index == last)?;
+        let code = rendering.run(&job, &mut prepared, [index == 0, index == last])?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }
@@ -118,15 +119,16 @@ struct Rendering {
 }
 
 impl Rendering {
-    /// Renders a film, writes its files, and tells of it. What is prepared is dropped after the `last` one.
+    /// Renders a film, writes its files, and tells of it: of the `first` one, what is odd. What is prepared
+    /// is dropped after the `last` one.
     fn run(
         &self,
         job: &Job,
         prepared: &mut Option<(Scene, Renderer)>,
-        last: bool,
+        [first, last]: [bool; 2],
     ) -> Result<ExitCode, CliError> {
         let Self { options, limits, .. } = self;
-        let (scene, renderer) = prepared.as_ref().expect("kept until the last job");
+        let (scene, renderer) = prepared.as_mut().expect("kept until the last job");
         if options.stats {
             renderer.start_stats();
         }
@@ -147,6 +149,9 @@ impl Rendering {
         let traced = trace(renderer, &mut film, limits, writer.as_mut(), &progress);
         progress.writing(&job.output);
         let report = self.report(job, &film, &traced, scene, renderer);
+        let tone = Format::of(&job.output).is_ok_and(|format| !format.is_linear()).then_some(self.tone);
+        let is_judged = first && job.shard.is_none() && traced.end != End::Interrupt;
+        let odd = if is_judged { diagnosis::warnings(renderer, scene, &film, tone) } else { Vec::new() };
         if last {
             // Frees memory for the encoder.
             *prepared = None;
@@ -169,6 +174,7 @@ impl Rendering {
             return Ok(ExitCode::from(INTERRUPTED));
         }
         saved?;
+        odd.iter().for_each(|odd| terminal::warn(&format!("{odd}.")));
         self.tell(&report, begun)?;
         // The picture is there; what cannot be is a later run that goes on from here.
         kept?;

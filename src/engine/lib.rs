@@ -39,6 +39,7 @@
 //! | [`film`], [`adaptive`] | sums of samples; when a block of pixels has enough of them |
 //! | [`render`] | tiles and threads: a scene's film |
 //! | [`tone`], [`display`] | tone mapping; denoising, antialiasing and reprojection while the camera moves |
+//! | [`diagnosis`] | why a picture is black or lacks light |
 //!
 //! # Laws
 //! - **One image.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and
@@ -62,6 +63,7 @@ pub mod buffers;
 pub mod bvh;
 pub mod camera;
 pub mod choice;
+pub mod diagnosis;
 pub mod display;
 pub mod film;
 pub mod integrate;

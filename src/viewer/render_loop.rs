@@ -17,6 +17,7 @@ use super::painter::{FrameInput, Painter};
 use super::screenshot;
 use super::state::{Effect, Event, State};
 use super::timing::Summary;
+use octray_engine::diagnosis;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::traverse::Methods;
 use octray_formats::scene::{self, Loaded, SceneError};
@@ -29,6 +30,8 @@ use std::time::{Duration, Instant, SystemTime};
 
 /// How long a message is shown.
 const MESSAGE_TIME: Duration = Duration::from_secs(6);
+/// Samples of a picture that is judged.
+const JUDGED_SAMPLES: u32 = 16;
 /// Number of a scene's warnings that are shown.
 const MAX_WARNINGS: usize = 4;
 
@@ -60,6 +63,8 @@ pub struct RenderLoop {
     /// A time before the last scene was read.
     read: SystemTime,
     screenshot_requested: bool,
+    /// Whether the scene's first picture was searched for what is odd about it.
+    judged: bool,
 }
 
 /// What only a new renderer can change.
@@ -91,6 +96,7 @@ impl RenderLoop {
             error: None,
             read: scene.read.unwrap_or_else(SystemTime::now),
             screenshot_requested: false,
+            judged: false,
             options,
             state,
             scene,
@@ -136,6 +142,7 @@ impl RenderLoop {
             text += &format!("\n(and {})", counted(more, "more warning", "more warnings"));
         }
         self.message = (!text.is_empty()).then(|| (text, Instant::now()));
+        self.judged = false;
         self.watch_files();
     }
 
@@ -189,6 +196,7 @@ impl RenderLoop {
             if self.exchange.closed.load(Acquire) {
                 continue;
             }
+            self.judge(renderer);
             self.publish_frame(renderer);
             if std::mem::take(&mut self.screenshot_requested) {
                 self.take_screenshot(renderer);
@@ -197,6 +205,17 @@ impl RenderLoop {
                 return None;
             }
         }
+    }
+
+    /// Tells once, while there is no other message, what is odd about the scene's picture.
+    fn judge(&mut self, renderer: &mut Renderer) {
+        let Accumulation { film, progressive, .. } = &self.accumulation;
+        if self.judged || !progressive || film.samples() < JUDGED_SAMPLES || self.message.is_some() {
+            return;
+        }
+        self.judged = true;
+        let odd = diagnosis::warnings(renderer, &self.scene, film, Some(self.state.controls.tone));
+        self.message = (!odd.is_empty()).then(|| (odd.join("\n"), Instant::now()));
     }
 
     /// Handles pending events; returns true on quit.

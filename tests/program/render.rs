@@ -152,3 +152,97 @@ fn clamp_cuts_bright_samples_off_and_is_told() {
     assert!(plain.iter().flatten().any(|&value| value > 5.0));
     desk.refuses(&["render", "scene.json", "-o", "a.png", "--clamp", "0"], &["--clamp", "above 0"]);
 }
+
+/// The scene of the book's last balls: a hollow one of glass, a diffuse one, a metal one.
+fn balls(camera: &str, sky: f64, more: &str) -> String {
+    format!(
+        r#"{{ "format": "octray-1", "resolution": [120, 68], "camera": {{ {camera} }},
+        "sky": {{ "color": [{sky}, {sky}, {sky}] }},
+        "materials": {{ "ground": {{ "type": "diffuse", "color": [0.8, 0.8, 0] }}, "glass": {{ "type": "glass" }},
+            "air": {{ "type": "glass", "ior": 0.667 }}, "gold": {{ "type": "metal", "color": [0.8, 0.6, 0.2] }},
+            "lamp": {{ "type": "emitter", "emission": [0.01, 0.01, 0.01] }} }},
+        "spheres": [ {{ "center": [0, 0, -1.2], "radius": 0.5 }},
+            {{ "center": [0, -100.5, -1], "radius": 100, "material": "ground" }},
+            {{ "center": [-1, 0, -1], "radius": 0.5, "material": "glass" }},
+            {{ "center": [1, 0, -1], "radius": 0.5, "material": "gold" }}{more} ] }}"#
+    )
+}
+
+const HOLLOW: &str = r#", { "center": [-1, 0, -1], "radius": 0.4, "material": "air" }"#;
+const FRONT: &str = r#""position": [0, 0, 0.5], "look_at": [0, 0, -1], "vertical_fov": 90"#;
+
+#[test]
+fn pictures_that_lack_light_say_why() {
+    let desk = Desk::new();
+    let lamp = r#", { "center": [0, 3, -1], "radius": 0.5, "material": "lamp" }"#;
+    let inside = r#""position": [0, 0, -1.1], "look_at": [0, 0, 3]"#;
+    let (away, down) = (
+        r#""position": [0, 5, 9], "look_at": [0, 99, 60]"#,
+        r#""position": [0, 1, 1], "look_at": [0, 0, 0.9]"#,
+    );
+    let hidden = r#", { "center": [0, 3, -1], "radius": 0.5, "material": "lamp" }, { "center": [0, 3, -1], "radius": 1 }"#;
+    for (text, options, told) in [
+        (balls(FRONT, 1.0, HOLLOW), "", "after 4 bounces"),
+        (balls(FRONT, 1.0, HOLLOW), "", "try --bounces 16."),
+        (balls(inside, 1.0, ""), "", "is black: the camera is inside spheres[0]: move its `position`"),
+        (balls(away, 0.0, lamp), "", "is black: nothing is in view"),
+        (balls(FRONT, 0.0, hidden), "", "is black: no path has found a light"),
+        (
+            balls(down, 1.0, ""),
+            "--bounces 0",
+            "is black: no light is reached within 0 bounces: try --bounces 4",
+        ),
+        (
+            balls(FRONT, 0.003, ""),
+            "",
+            "its brightest pixel is 0.0030: try --exposure +8, or brighter lights.",
+        ),
+        (balls(FRONT, 30.0, ""), "", "half of the picture is white"),
+        (balls(FRONT, 30.0, ""), "", "try --exposure -"),
+    ] {
+        fs::write(desk.path("scene.json"), text).unwrap();
+        let arguments = format!("render scene.json -o a.png --samples 4 {options}");
+        let arguments: Vec<&str> = arguments.split_whitespace().collect();
+        desk.octray(&arguments).assert().success().stderr(contains(told).and(contains("warning: ").count(1)));
+    }
+}
+
+#[test]
+fn pictures_that_are_dark_or_white_on_purpose_have_no_warning() {
+    let desk = Desk::new();
+    let star = r#", { "center": [0, 3, -1], "radius": 0.5, "material": "star" }"#;
+    let night = balls(FRONT, 0.0, star).replace(r#""lamp":"#, r#""star": { "type": "emitter" }, "lamp":"#);
+    for (text, options) in [
+        (balls(FRONT, 1.0, HOLLOW), "-o a.png --bounces 16"),
+        (balls(FRONT, 1.0, HOLLOW), "-o a.png --bounces 1"),
+        (balls(FRONT, 1.0, ""), "-o a.png"),
+        (night, "-o a.png"),
+        (balls(FRONT, 0.003, ""), "-o a.png --exposure 8"),
+        // The numbers of a linear file are right at any exposure.
+        (balls(FRONT, 0.003, ""), "-o a.exr"),
+        (balls(FRONT, 30.0, ""), "-o a.png --tone reinhard"),
+    ] {
+        fs::write(desk.path("scene.json"), text).unwrap();
+        let arguments = format!("render scene.json --samples 4 {options}");
+        let arguments: Vec<&str> = arguments.split_whitespace().collect();
+        desk.octray(&arguments).assert().success().stderr(contains("warning").not());
+    }
+    for scene in octray::scene::builtin_names() {
+        let scene = format!("builtin:{scene}");
+        let arguments = ["render", &scene, "-o", "a.png", "--samples", "1"];
+        desk.octray(&arguments).assert().success().stderr(contains("warning").not());
+    }
+}
+
+#[test]
+fn warnings_are_the_same_for_any_number_of_threads() {
+    let desk = Desk::new();
+    fs::write(desk.path("scene.json"), balls(FRONT, 1.0, HOLLOW)).unwrap();
+    let told = |threads, lanes| {
+        let arguments =
+            ["render", "scene.json", "-o", "a.png", "--samples", "2", "--threads", threads, "--lanes", lanes];
+        desk.octray(&arguments).assert().success().get_output().stderr.clone()
+    };
+    assert!(!told("1", "1").is_empty());
+    assert_eq!(told("1", "1"), told("3", "8"));
+}

@@ -59,7 +59,7 @@ fn broken_json_names_line_and_column() {
     assert_refused(with("\"max_bounces\": 3 // few"), "broken JSON", "line 3", "comma");
     assert_refused("{} {}", "trailing characters", "line 1, column 4", "remove what follows");
     let four = r#"{"format": "octray-1", "camera": {"position": [0, 1, 5, 0]}}"#;
-    assert_refused(four, "too many entries in this list", "camera.position", "remove those from here on");
+    assert_refused(four, "`position` cannot be [0,1,5,0]", "camera.position", "\"position\": [0, 1, 5]");
     assert_refused("[1, 2]", "not a scene", "", "octray-1");
     assert_refused("\"scene\"", "string", "line 1", "write an object");
 }
@@ -74,7 +74,7 @@ fn unknown_keys_are_refused_with_the_nearest_known_one() {
     assert_refused(
         with("\"skye\": {}"),
         "unknown key `skye`",
-        "skye, line 3, column 8",
+        "skye, line 3, column 11",
         "did you mean `sky`?",
     );
     let text = sphere("{ \"center\": [0,0,0], \"radius\": 1, \"colour\": 3 }");
@@ -105,17 +105,135 @@ fn missing_and_doubled_keys_are_named() {
 #[test]
 fn wrong_types_are_named_with_what_is_expected() {
     let text = sphere("{ \"center\": [0,\"0\",0], \"radius\": 1 }");
-    assert_refused(text, "string \"0\"", "spheres[0].center[1], line 1, column 33", "write a number");
+    assert_refused(text, "[0,\"0\",0]", "spheres[0].center[1], line 1, column 31", "\"center\": [0, 1, 5]");
     assert_refused(
         sphere("{ \"center\": [0,0], \"radius\": 1 }"),
-        "length 2",
+        "`center` cannot be [0,0]",
         "spheres[0].center",
-        "length 3",
+        "write it as in \"center\": [0, 1, 5]",
     );
-    assert_refused(with("\"resolution\": [240.5, 135]"), "240.5", "resolution[0], line 3", "whole number");
-    assert_refused(with("\"max_bounces\": -1"), "-1", "max_bounces, line 3", "whole number");
-    assert_refused(with("\"sky\": 3"), "integer `3`", "sky, line 3", "write an object with `color`");
+    assert_refused(with("\"resolution\": [240.5, 135]"), "240.5", "resolution[0], line 3", "[240, 135]");
+    assert_refused(with("\"max_bounces\": -1"), "-1", "max_bounces, line 3", "\"max_bounces\": 16");
+    assert_refused(
+        with("\"sky\": 3"),
+        "`sky` cannot be 3",
+        "sky, line 3",
+        "\"sky\": { \"color\": [0.7, 0.8, 1] }",
+    );
+    let sky = "`sky` cannot be [0.7,0.8,1.0]";
+    assert_refused(
+        with("\"sky\": [0.7,0.8,1.0]"),
+        sky,
+        "sky[0], line 3",
+        "\"sky\": { \"color\": [0.7, 0.8, 1] }",
+    );
+    assert_refused(
+        with("\"materials\": [1]"),
+        "cannot be [1]",
+        "materials",
+        "{ \"red\": { \"type\": \"diffuse\"",
+    );
+    let red = with("\"materials\": { \"m\": \"red\" }");
+    assert_refused(red, "`m` cannot be \"red\"", "materials.m", "\"m\": { \"type\": \"diffuse\"");
     assert_refused(with("\"format2\": 1, \"sky\": 3"), "unknown key", "format2", "the keys known here");
+    let long = sphere(&format!("{{ \"center\": \"{}\", \"radius\": 1 }}", "x".repeat(999)));
+    assert_refused(long, "xxxxxxx…", "spheres[0].center", "[0, 1, 5]");
+}
+
+/// Words of *Ray Tracing in One Weekend*, Mitsuba, pbrt and Blender, and what is meant by them.
+#[test]
+fn words_of_other_programs_are_understood() {
+    let camera = |key: &str| with(&format!("\"camera\": {{ \"{key}\": 1 }}"));
+    let sphere = |key: &str| sphere(&format!("{{ \"{key}\": 1, \"center\": [0,0,0], \"radius\": 1 }}"));
+    let mesh = |key: &str| with(&format!("\"meshes\": [ {{ \"{key}\": 1, \"model\": \"x.obj\" }} ]"));
+    let of_type = |kind: &str, key: &str| material(&format!("\"type\": \"{kind}\", \"{key}\": 1"));
+    let kind = |kind: &str| material(&format!("\"type\": \"{kind}\""));
+    let cases = [
+        (camera("lookfrom"), "position"),
+        (camera("look_from"), "position"),
+        (camera("center"), "position"),
+        (camera("lookat"), "look_at"),
+        (camera("vfov"), "vertical_fov"),
+        (camera("vup"), "up"),
+        (sphere("position"), "center"),
+        (sphere("bsdf"), "material"),
+        (mesh("position"), "translate"),
+        (with("\"background\": 1"), "sky"),
+        (with("\"max_depth\": 1"), "max_bounces"),
+        (with("\"image_width\": 1"), "resolution"),
+        (with("\"objects\": 1"), "spheres"),
+        (of_type("diffuse", "albedo"), "color"),
+        (of_type("diffuse", "baseColor"), "color"),
+        (of_type("metal", "fuzz"), "roughness"),
+        (of_type("glass", "refraction_index"), "ior"),
+        (of_type("glass", "int_ior"), "ior"),
+        (of_type("diffuse", "emissive"), "emission"),
+        (of_type("diffuse", "emit"), "emission"),
+        (of_type("diffuse", "light"), "emission"),
+        (kind("lambertian"), "diffuse"),
+        (kind("dielectric"), "glass"),
+        (kind("diffuse_light"), "emitter"),
+        (kind("conductor"), "metal"),
+        (kind("principled"), "metal-rough"),
+    ];
+    for (text, meant) in cases {
+        assert_refused(text, "unknown", "", &format!("did you mean `{meant}`?"));
+    }
+    assert_refused(sphere("color"), "unknown key `color`", "spheres[0].color", "an entry of `materials`");
+    assert_refused(sphere("albedo"), "unknown key `albedo`", "spheres[0].albedo", "an entry of `materials`");
+}
+
+#[test]
+fn only_keys_that_the_type_has_are_offered() {
+    let folder = TempDir::new().unwrap();
+    let mend = refuse(folder.path(), material("\"type\": \"glass\", \"fuzz\": 1")).mend.unwrap();
+    assert!(!mend.contains("roughness") && mend.contains("color, emission, ior"), "{mend}");
+}
+
+#[test]
+fn all_faults_of_a_scene_are_told_at_once_in_its_order() {
+    let text = r#"{ "format": "octray-1",
+        "camera": { "lookfrom": [0,1,5], "look_at": [0,1,0], "vfov": 40 },
+        "sky": [0.7, 0.8, 1],
+        "materials": { "a": { "type": "lambertian", "albedo": [1,1,1] }, "b": { "type": "metal", "fuzz": 0 },
+                       "c": { "type": "emitter", "color": [1,1,1], "ior": 2 } },
+        "spheres": [ { "center": [0,0,0], "radius": -1, "material": "a" }, { "center": [0,0] },
+                     { "center": [0,0,0], "radius": 1, "material": "x" } ] }"#;
+    let folder = TempDir::new().unwrap();
+    let error = refuse(folder.path(), text);
+    let all: Vec<_> = std::iter::once(&error).chain(&error.others).collect();
+    let places: Vec<&str> =
+        all.iter().map(|error| error.at.as_ref().unwrap().split(',').next().unwrap()).collect();
+    assert_eq!(places.len(), 10, "at most ten: {error}");
+    let first_eight = [
+        "camera.lookfrom",
+        "camera.vfov",
+        "sky[0]",
+        "materials.a.type",
+        "materials.a.albedo",
+        "materials.b.fuzz",
+    ];
+    assert_eq!(places[..6], first_eight, "{error}");
+    let lines = error.to_string();
+    assert_eq!(lines.matches("\nalso: ").count(), 9, "{lines}");
+    // A name that is left out, or a material with a fault, is no fault of what uses it.
+    let text = r#"{ "format": "octray-1", "materials": 3,
+        "spheres": [ { "center": [0,0,0], "radius": 1, "material": "a" }, { "radius": 1 }, { "center": 1 } ] }"#;
+    let error = refuse(folder.path(), text);
+    let whats: Vec<&str> =
+        std::iter::once(&error).chain(&error.others).map(|error| error.what.as_str()).collect();
+    let expected = [
+        "`materials` cannot be 3",
+        "the key `center` is missing",
+        "the key `radius` is missing",
+        "`center` cannot be 1",
+    ];
+    assert_eq!(whats, expected, "{error}");
+    let error = refuse(folder.path(), with("\"meshes\": [ { \"file\": \"x.obj\" } ]"));
+    assert!(error.others.is_empty() && error.what.contains("`file`"), "{error}");
+    // Of a key that is there twice and wrong elsewhere, both are told.
+    let error = refuse(folder.path(), with("\"sky\": null, \"sky\": null, \"world\": 1"));
+    assert_eq!(error.others.len(), 1, "{error}");
 }
 
 #[test]

@@ -296,7 +296,7 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
         let path = write(folder.path(), "m.obj", text);
         let error = load(&path).expect_err(text);
         assert!(error.what.contains(what), "{text:?}: {error}");
-        assert_eq!(error.at.clone().unwrap_or_default(), at, "{text:?}: {error}");
+        assert_eq!(error.at.as_deref().unwrap_or_default(), at, "{text:?}: {error}");
         assert!(error.mend.as_ref().unwrap().contains(mend), "{text:?}: {error}");
         assert_eq!(error.file.as_deref(), Some(Path::new(&path)));
     }

@@ -241,7 +241,7 @@ fn faults_in_a_view_name_their_place_and_a_remedy() {
     let fov = r#""camera": { "fov": 9 }"#;
     assert_refused(&of(fov), "unknown key `fov`", "camera.fov, line 4", "vertical_fov");
     let sample = r#""render": { "sample": 9 }"#;
-    assert_refused(&of(sample), "`sample`", "render.sample, line 4, column 22", "did you mean `samples`?");
+    assert_refused(&of(sample), "`sample`", "render.sample, line 4, column 25", "did you mean `samples`?");
     assert_refused(&of(r#""render": { "tone": 3 }"#), "3", "render.tone, line 4", "write a string here");
     assert_refused(&of(r#""render": { "seed": -1 }"#), "-1", "render.seed, line 4", "whole number");
     assert_refused(&of(r#""render": { "exposure": 1e99 }"#), "finite", "render.exposure, line 4", "number");

@@ -362,3 +362,16 @@ fn a_scene_that_no_memory_is_left_for_is_not_shown() {
     seat.wait("a smaller one", |frame| [frame.width, frame.height] == [20, 10] && frame.message.is_empty());
     seat.end();
 }
+
+#[test]
+fn viewer_says_once_why_a_picture_is_black() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.json");
+    fs::write(&path, scene("ball").replace("[0, 0, 5]", "[0, 0, 0.5]")).unwrap();
+    let mut seat = Seat::start(options([16, 9], 1, folder.path()), &[path.to_str().unwrap()]);
+    seat.wait("the reason", |frame| {
+        frame.message.contains("the picture is black: the camera is inside spheres[0]")
+    });
+    seat.wait("no message any more", |frame| frame.message.is_empty());
+    seat.end();
+}

@@ -159,8 +159,13 @@ impl Film {
 
     /// An empty film, divided into tiles of at most `tile_size` pixels in width and height.
     pub fn new(resolution: [u32; 2], tile_size: [u32; 2]) -> Self {
-        let tiles = Tile::cover(resolution, tile_size).map(TileSums::new).collect();
-        Self { resolution, tiles, rays: 0 }
+        Self::of_tiles(resolution, tile_size, |_| true)
+    }
+
+    /// The same with the tiles whose number `keep` accepts, and memory for no others.
+    pub fn of_tiles(resolution: [u32; 2], tile_size: [u32; 2], keep: impl Fn(usize) -> bool) -> Self {
+        let tiles = Tile::cover(resolution, tile_size).filter(|tile| keep(tile.number));
+        Self { resolution, tiles: tiles.map(TileSums::new).collect(), rays: 0 }
     }
 
     /// The film with variance estimation, which takes [`Noise::BYTES_PER_PIXEL`] more.

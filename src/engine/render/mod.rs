@@ -147,6 +147,11 @@ impl Renderer {
         self.settings.seed = seed;
         self.context.seed = seed;
     }
+    /// Changes the number of bounces.
+    pub fn set_bounces(&mut self, max_bounces: u32) {
+        self.settings.max_bounces = max_bounces;
+        self.context.max_bounces = max_bounces;
+    }
     /// Changes camera, resolution and number of bounces of a renderer that was made for `scene`. Earlier
     /// films fit only where the resolution is the same.
     ///
@@ -154,10 +159,11 @@ impl Renderer {
     /// If the resolution is outside its documented range.
     pub fn set_view(&mut self, scene: &Scene, camera: &Camera, resolution: [u32; 2], max_bounces: u32) {
         check_resolution(resolution);
-        (self.settings.resolution, self.settings.max_bounces) = (resolution, max_bounces);
+        self.set_bounces(max_bounces);
+        self.settings.resolution = resolution;
         let context = &mut self.context;
         context.camera = Pinhole::new(camera, resolution);
-        (context.width, context.max_bounces) = (resolution[0], max_bounces);
+        context.width = resolution[0];
         if context.primitives.take_lists() {
             find_visible(&mut context.visible, scene, &context.camera, &self.settings, MAX_CULLED_MOVING);
         }

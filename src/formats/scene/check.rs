@@ -97,11 +97,16 @@ impl JsonPath<'_> {
 
     pub fn radius(&self, x: f64) -> Result<f32, SceneError> {
         if x < MIN_LENGTH {
-            let what = match x > 0.0 {
-                true => format!("the radius {x:e} is too small"),
-                false => format!("the radius is {x}"),
+            let (what, mend) = if x > 0.0 {
+                (format!("the radius {x:e} is too small"), "a radius is at least 1e-18")
+            } else if x == 0.0 {
+                ("the radius is 0".to_string(), "a radius is at least 1e-18")
+            } else {
+                let mend = "a radius is at least 1e-18; for a hollow ball of glass, put a smaller sphere of glass \
+                            with `ior` 0.667 (1 / 1.5) into it";
+                (format!("the radius is {x}"), mend)
             };
-            return Err(self.error(what, "a radius is at least 1e-18"));
+            return Err(self.error(what, mend));
         }
         self.number(x)
     }

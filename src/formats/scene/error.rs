@@ -5,23 +5,28 @@
 use octray_engine::scene::Scene;
 use std::path::PathBuf;
 
+/// Most faults of a file that are told at once.
+pub const MAX_FAULTS: usize = 10;
+
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error)]
-#[error("{what}{}{}", place(.file, .at), remedy(.mend))]
+#[error("{what}{}{}{}", place(.file, .at), remedy(.mend), further(.others))]
 pub struct SceneError {
     /// What is wrong, as a clause without a full stop.
     pub what: String,
     /// The file that contains the fault.
     pub file: Option<PathBuf>,
     /// Where in the file: a JSON path (`materials.clay.color[1]`) or `line 12, column 5`, or both.
-    pub at: Option<String>,
+    pub at: Option<Box<str>>,
     /// How to mend it.
-    pub mend: Option<String>,
+    pub mend: Option<Box<str>>,
+    /// The other faults of the file, in its order: at most [`MAX_FAULTS`] in all.
+    pub others: Box<[SceneError]>,
     /// Every file requested until then, existing or not: once one of them changes, loading may succeed.
     pub files: Vec<PathBuf>,
 }
 
-fn place(file: &Option<PathBuf>, at: &Option<String>) -> String {
+fn place(file: &Option<PathBuf>, at: &Option<Box<str>>) -> String {
     match (file, at) {
         (Some(file), Some(at)) => format!("\n  at {}: {at}", file.display()),
         (Some(file), None) => format!("\n  in {}", file.display()),
@@ -30,14 +35,38 @@ fn place(file: &Option<PathBuf>, at: &Option<String>) -> String {
     }
 }
 
-fn remedy(mend: &Option<String>) -> String {
+fn remedy(mend: &Option<Box<str>>) -> String {
     mend.as_ref().map(|mend| format!("\n  {mend}")).unwrap_or_default()
+}
+
+fn further(others: &[SceneError]) -> String {
+    others.iter().map(|error| format!("\nalso: {error}")).collect()
 }
 
 impl SceneError {
     /// An error without a file and a remedy.
     pub(super) fn new(what: impl Into<String>) -> Self {
-        Self { what: what.into(), file: None, at: None, mend: None, files: Vec::new() }
+        Self {
+            what: what.into(),
+            file: None,
+            at: None,
+            mend: None,
+            others: Box::default(),
+            files: Vec::new(),
+        }
+    }
+    /// The faults of a file as one error; `None` without faults.
+    pub(super) fn of_all(faults: Vec<Self>) -> Option<Self> {
+        let mut all = Vec::new();
+        for mut fault in faults {
+            let others = std::mem::take(&mut fault.others);
+            all.push(fault);
+            all.extend(others);
+        }
+        all.sort_by_key(Self::line_and_column);
+        all.truncate(MAX_FAULTS);
+        let mut all = all.into_iter();
+        all.next().map(|first| Self { others: all.collect(), ..first })
     }
     /// A valid scene cannot be used, and why.
     pub fn of_use(why: String, scene: &Scene) -> Self {
@@ -51,8 +80,18 @@ impl SceneError {
     pub(super) fn in_file(self, file: impl Into<PathBuf>) -> Self {
         Self { file: Some(file.into()), ..self }
     }
-    pub(super) fn at(self, at: impl Into<String>) -> Self {
+    pub(super) fn at(self, at: impl Into<Box<str>>) -> Self {
         Self { at: Some(at.into()), ..self }
+    }
+    /// The JSON path alone.
+    pub(super) fn place(&self) -> &str {
+        self.at.as_deref().unwrap_or_default().split(", line ").next().unwrap_or_default()
+    }
+    /// As `at` ends with them; 0 where it does not.
+    fn line_and_column(&self) -> [usize; 2] {
+        let numbers = self.at.as_deref().and_then(|at| at.rsplit_once("line ")?.1.split_once(", column "));
+        let (line, column) = numbers.unwrap_or_default();
+        [line, column].map(|number| number.parse().unwrap_or(0))
     }
     /// Appends requested files.
     pub(super) fn after(mut self, files: Vec<PathBuf>) -> Self {
@@ -60,6 +99,6 @@ impl SceneError {
         self
     }
     pub(super) fn mend(self, mend: impl Into<String>) -> Self {
-        Self { mend: Some(mend.into()), ..self }
+        Self { mend: Some(mend.into().into_boxed_str()), ..self }
     }
 }

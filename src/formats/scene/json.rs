@@ -59,7 +59,7 @@ impl<'a> JsonPath<'a> {
         }
     }
     /// The part of the text that is the value here, if there is one. Domain: the text is valid JSON.
-    fn value(&self) -> Option<&'a str> {
+    pub fn value(&self) -> Option<&'a str> {
         let value: &RawValue = match *self {
             JsonPath::Root(source) => return Some(source.text),
             JsonPath::Key(parent, key) => {
@@ -91,7 +91,10 @@ fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
-/// Parses a JSON text as `T`.
+/// What mends a key or a name that occurs twice.
+pub const REMOVE_ONE: &str = "remove or rename one of the two";
+
+/// Parses a JSON text as `T`; of its faults, the first is told.
 pub fn read<T: DeserializeOwned>(source: &Source) -> Result<T, SceneError> {
     let mut deserializer = serde_json::Deserializer::from_str(source.text);
     let value: T = serde_path_to_error::deserialize(&mut deserializer)
@@ -144,11 +147,17 @@ fn syntax_fault(message: &str, line: &str, column: usize) -> (String, String) {
     (format!("broken JSON: {message}"), mend.to_string())
 }
 
-fn data_fault(path: &str, message: &str) -> (String, String) {
-    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let (word, known) = quoted.split_first().map_or(("", &[][..]), |(word, known)| (*word, known));
+/// The word that serde's message is about, and the words that it knows instead.
+pub fn quoted(message: &str) -> (&str, Vec<&str>) {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    (quoted.next().unwrap_or_default(), quoted.collect())
+}
+
+/// What is wrong, and how to mend it, from serde's message.
+pub fn data_fault(path: &str, message: &str) -> (String, String) {
+    let (word, known) = quoted(message);
     if message.starts_with("unknown field") {
-        let mend = format!("{}the keys known here are {}", did_you_mean(word, known), known.join(", "));
+        let mend = format!("{}the keys known here are {}", did_you_mean(word, &known), known.join(", "));
         return (format!("unknown key `{word}`"), mend);
     }
     if message.starts_with("missing field") {
@@ -156,7 +165,7 @@ fn data_fault(path: &str, message: &str) -> (String, String) {
     }
     if message.starts_with("duplicate field") || message.contains("occurs twice") {
         let what = message.replace("duplicate field", "a second");
-        return (what, "remove or rename one of the two".to_string());
+        return (what, REMOVE_ONE.to_string());
     }
     if message.starts_with("unknown variant") {
         let key = path.rsplit('.').next().unwrap_or(path);
@@ -183,7 +192,7 @@ mod tests {
             "{ \"a,{\": [1, {\"x\": \"]\\\"\"}, 3],\n  \"b\\u0041\": [\n [0], [1, -2.5e3] ], \"c\": true }";
         let source = Source { file: Path::new("x.json"), text };
         let root = source.root();
-        let at = |place: &JsonPath| place.error("", "").at.unwrap();
+        let at = |place: &JsonPath| String::from(place.error("", "").at.unwrap());
         assert_eq!(at(&root.key("a,{").item(2)), "a,{[2], line 1, column 28");
         assert_eq!(at(&root.key("bA").item(1).item(1)), "bA[1][1], line 3, column 11");
         assert_eq!(at(&root.key("c")), "c, line 3, column 27");

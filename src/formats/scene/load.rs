@@ -4,6 +4,7 @@
 
 use super::embedded::{self, PREFIX};
 use super::error::SceneError;
+use super::faults::read_all;
 use super::files::{FILES, Files, has_extension};
 use super::json::{JsonPath, Source, read};
 use super::native::{FORMAT, VIEW_FORMAT};
@@ -146,7 +147,11 @@ fn from_json<'a>(source: Source<'a>, files: &Files, name: String) -> Result<Cont
         read(&source)
     })?;
     match keys.format {
-        Some(format) if format == VIEW_FORMAT => read(&source).map(|file| Content::View(source, file)),
+        Some(format) if format == VIEW_FORMAT => {
+            let (file, faults) = read_all(&source)?;
+            SceneError::of_all(faults).map_or(Ok(()), Err)?;
+            Ok(Content::View(source, file))
+        }
         Some(_) => validate::scene(&source, files, name).map(Content::Scene),
         None if keys.sphere.is_some() || keys.triangle.is_some() || keys.res.is_some() => {
             thesis::scene(&source, files, name).map(Content::Scene)
@@ -168,7 +173,7 @@ fn viewed(place: &JsonPath, files: &Files, spec: &str) -> Result<Scene, SceneErr
                         view, or `builtin:NAME`";
     if let Some(name) = spec.strip_prefix(PREFIX) {
         return built_in(name)
-            .map_err(|error| place.error(error.what, error.mend.unwrap_or_else(|| MEND.to_string())));
+            .map_err(|error| place.error(error.what, error.mend.unwrap_or_else(|| MEND.into())));
     }
     let path = files.resolve(spec);
     if !may_be_scene(&path) {

@@ -80,42 +80,55 @@ pub fn material(
     Ok(builder.add_material(material, texture_size))
 }
 
+const NOT_ROUGH: &str = "remove it, or make the type `metal`, `plastic`, `metal-rough` or `scatter`";
+const NOT_EMISSION: &str = "make it the `texture`, which multiplies the emission of an emitter";
+const NO_INDEX: &str = "remove it, or make the type `glass`, `plastic` or `metal-rough`";
+
+/// Each key that some types lack, the types that it belongs to, and the remedy for others.
+const RULES: [(&str, &[&str], &str); 7] = [
+    ("roughness", ROUGH, NOT_ROUGH),
+    ("roughness_map", ROUGH, NOT_ROUGH),
+    ("metallic", &["metal-rough"], "remove it, or make the type `metal-rough`"),
+    ("normal_map", SCATTERING, "remove it: an emitter scatters nothing"),
+    ("emission_map", SCATTERING, NOT_EMISSION),
+    ("ior", &["glass", "plastic", "metal-rough"], NO_INDEX),
+    ("color", SCATTERING, "remove it: an emitter scatters nothing; its light is `emission`"),
+];
+
+/// May a material of this type have the key, if materials have it? Of a type that does not exist, yes.
+pub fn takes(material_type: &str, key: &str) -> bool {
+    !TYPES.contains(&material_type)
+        || RULES.iter().all(|(known, types, _)| *known != key || types.contains(&material_type))
+}
+
+/// Is this a key of materials, by any of its names?
+pub fn is_key(word: &str) -> bool {
+    let keys = ["color", "emission", "roughness", "metallic", "ior", "texture", "normal_map"];
+    keys.contains(&word) || !did_you_mean(word, &keys).is_empty()
+}
+
 /// Refuses unknown types and keys that do not belong to the type.
 fn check_keys(file: &MaterialFile, place: &JsonPath) -> Result<(), SceneError> {
-    const NOT_ROUGH: &str = "remove it, or make the type `metal`, `plastic`, `metal-rough` or `scatter`";
     let name = file.r#type.as_str();
     if !TYPES.contains(&name) {
         let mend = format!("{}the types are {}", did_you_mean(name, &TYPES), TYPES.join(", "));
         return Err(place.key("type").error(format!("unknown material type `{name}`"), mend));
     }
-    // Each key, whether it is there, the types that it belongs to, and the remedy for others.
-    let rules = [
-        ("roughness", file.roughness.is_some(), ROUGH, NOT_ROUGH),
-        ("roughness_map", file.roughness_map.is_some(), ROUGH, NOT_ROUGH),
-        ("metallic", file.metallic.is_some(), &["metal-rough"], "remove it, or make the type `metal-rough`"),
-        ("normal_map", file.normal_map.is_some(), SCATTERING, "remove it: an emitter scatters nothing"),
-        (
-            "emission_map",
-            file.emission_map.is_some(),
-            SCATTERING,
-            "make it the `texture`, which multiplies the emission of an emitter",
-        ),
-        (
-            "ior",
-            file.ior.is_some(),
-            &["glass", "plastic", "metal-rough"],
-            "remove it, or make the type `glass`, `plastic` or `metal-rough`",
-        ),
-        (
-            "color",
-            file.color.is_some(),
-            SCATTERING,
-            "remove it: an emitter scatters nothing; its light is `emission`",
-        ),
-    ];
-    let mut broken = rules.into_iter().filter(|(_, is_there, types, _)| *is_there && !types.contains(&name));
-    if let Some((key, _, _, mend)) = broken.next() {
-        return Err(place.key(key).error(format!("`{key}` does not belong to a {name} material"), mend));
+    let is_there = |key| match key {
+        "roughness" => file.roughness.is_some(),
+        "roughness_map" => file.roughness_map.is_some(),
+        "metallic" => file.metallic.is_some(),
+        "normal_map" => file.normal_map.is_some(),
+        "emission_map" => file.emission_map.is_some(),
+        "ior" => file.ior.is_some(),
+        _ => file.color.is_some(),
+    };
+    let misplaced = RULES.iter().filter(|(key, types, _)| is_there(key) && !types.contains(&name));
+    let faults = misplaced.map(|(key, _, mend)| {
+        place.key(key).error(format!("`{key}` does not belong to a material of type `{name}`"), *mend)
+    });
+    if let Some(error) = SceneError::of_all(faults.collect()) {
+        return Err(error);
     }
     if file.roughness_map.is_some() && file.roughness == Some(0.0) && name != "metal-rough" {
         let mend = "remove it, or give `roughness` a number above 0, which it multiplies";

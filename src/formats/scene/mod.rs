@@ -29,6 +29,7 @@
 //! | `embedded` | the built-in scenes by name; their files inside the program |
 //! | `check`, `spelling` | bounds of numbers; suggestions for misspelt names |
 //! | `json` | reading JSON; the line and column of a JSON path |
+//! | `faults` | all faults of a native text at once |
 //! | [`error`] | why a scene was refused |
 
 mod builder;
@@ -37,6 +38,7 @@ mod check;
 mod convert;
 mod embedded;
 pub mod error;
+mod faults;
 mod files;
 mod gltf;
 mod json;

@@ -1,6 +1,6 @@
 //! The native scene file as the user wrote it: keys and JSON types, without validation.
 //!
-//! For: [`SceneFile`] and its parts.
+//! For: [`SceneFile`] and its parts; [`example`].
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -12,8 +12,46 @@ pub const FORMAT: &str = "octray-1";
 /// The value of `format` in a view.
 pub const VIEW_FORMAT: &str = "octray-view-1";
 
+/// A material, as messages show it.
+pub const MATERIAL: &str = "{ \"type\": \"diffuse\", \"color\": [0.8, 0.1, 0.1] }";
+
+/// A value of a key, as messages show it; of those whose form a message from serde would not explain.
+pub fn example(key: &str) -> Option<&'static str> {
+    Some(match key {
+        "camera" => "{ \"position\": [0, 1, 5], \"look_at\": [0, 1, 0] }",
+        "position" | "center" | "look_at" | "translate" => "[0, 1, 5]",
+        "up" => "[0, 1, 0]",
+        "resolution" => "[240, 135]",
+        "max_bounces" => "16",
+        "sky" => "{ \"color\": [0.7, 0.8, 1] }",
+        "color" | "emission" | "bottom" | "top" => "[0.7, 0.8, 1]",
+        "gradient" => "{ \"bottom\": [1, 1, 1], \"top\": [0.5, 0.7, 1] }",
+        "materials" => "{ \"red\": { \"type\": \"diffuse\", \"color\": [0.8, 0.1, 0.1] } }",
+        "type" => "\"diffuse\"",
+        "material" => "\"red\", a name in `materials`",
+        "spheres" => "[ { \"center\": [0, 1, 0], \"radius\": 1, \"material\": \"red\" } ]",
+        "radius" | "scale" | "texture_size" => "1",
+        "roughness" | "metallic" => "0.5",
+        "ior" => "1.5",
+        "vertical_fov" | "turn_degrees" => "40",
+        "rotate_degrees" => "[0, 45, 0]",
+        "triangles" => "[ { \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], \"material\": \"red\" } ]",
+        "vertices" | "normals" | "colors" => "[[0, 0, 1], [1, 0, 1], [0, 1, 1]]",
+        "uvs" => "[[0, 0], [1, 0], [0, 1]]",
+        "meshes" => "[ { \"model\": \"bunny.obj\", \"scale\": 10 } ]",
+        "model" | "obj" => "\"bunny.obj\"",
+        "texture" | "roughness_map" | "normal_map" | "emission_map" => "\"picture.png\"",
+        "filter" => "\"bilinear\"",
+        "picture_from" => "\"inside\"",
+        "scene" => "\"scene.json\"",
+        "frame" => "1",
+        "keyframes" => "[ { \"frame\": 1, \"camera\": { \"position\": [0, 1, 5] } } ]",
+        _ => return None,
+    })
+}
+
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `format`")]
+#[serde(deny_unknown_fields)]
 pub struct SceneFile {
     pub format: String,
     /// Missing: a camera that frames the whole scene.
@@ -33,10 +71,7 @@ pub struct SceneFile {
 }
 
 #[derive(Deserialize, Default)]
-#[serde(
-    deny_unknown_fields,
-    expecting = "an object such as { \"position\": [0, 1, 5], \"look_at\": [0, 1, 0] }"
-)]
+#[serde(deny_unknown_fields)]
 pub struct CameraFile {
     /// Missing: far enough from `look_at` to see the whole scene.
     pub position: Option<[f64; 3]>,
@@ -48,7 +83,7 @@ pub struct CameraFile {
 
 /// Of a view.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `frame` and `camera`")]
+#[serde(deny_unknown_fields)]
 pub struct KeyframeFile {
     pub frame: u32,
     /// What it leaves out is as in the view.
@@ -57,7 +92,7 @@ pub struct KeyframeFile {
 
 /// `color`, or `gradient`, or `texture` (which `color` then multiplies).
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `color`, `gradient` or `texture`")]
+#[serde(deny_unknown_fields)]
 pub struct SkyFile {
     pub color: Option<[f64; 3]>,
     pub gradient: Option<GradientFile>,
@@ -67,7 +102,7 @@ pub struct SkyFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `bottom` and `top`")]
+#[serde(deny_unknown_fields)]
 pub struct GradientFile {
     pub bottom: [f64; 3],
     pub top: [f64; 3],
@@ -83,7 +118,7 @@ pub enum FilterFile {
 
 /// The keys of all types; `material` checks which belong to `type`.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with a `type`")]
+#[serde(deny_unknown_fields)]
 pub struct MaterialFile {
     pub r#type: String,
     pub color: Option<[f64; 3]>,
@@ -101,7 +136,7 @@ pub struct MaterialFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `center` and `radius`")]
+#[serde(deny_unknown_fields)]
 pub struct SphereFile {
     pub center: [f64; 3],
     pub radius: f64,
@@ -119,7 +154,7 @@ pub enum SideFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `vertices`")]
+#[serde(deny_unknown_fields)]
 pub struct TriangleFile {
     pub vertices: [[f64; 3]; 3],
     pub uvs: Option<[[f64; 2]; 3]>,
@@ -131,7 +166,7 @@ pub struct TriangleFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `model`")]
+#[serde(deny_unknown_fields)]
 pub struct MeshFile {
     /// The path of a model of any format.
     pub model: Option<String>,
@@ -155,7 +190,7 @@ impl<'de> Deserialize<'de> for Materials {
         impl<'de> Visitor<'de> for Entries {
             type Value = Materials;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object of names")
+                f.write_str("materials by their names")
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Materials, A::Error> {
                 let (mut entries, mut seen) = (Vec::new(), HashSet::new());

@@ -36,9 +36,76 @@ fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     })
 }
 
-/// The beginning of a remedy: the known name that may be meant; empty if none is near.
+/// What keys and types of materials are called in *Ray Tracing in One Weekend*, Mitsuba, pbrt, Blender and
+/// glTF, in small letters without signs between them. The first of our names that is known where the word
+/// stands is meant.
+const SYNONYMS: [(&[&str], &[&str]); 22] = [
+    (
+        &["position", "location", "translation", "translate", "origin", "from"],
+        &["position", "center", "translate"],
+    ),
+    (&["lookfrom", "eye", "camerapos", "cameraposition"], &["position"]),
+    (&["center", "centre", "point3"], &["center", "position", "look_at"]),
+    (&["lookat", "target", "at", "lookto"], &["look_at"]),
+    (&["vfov", "fov", "fovy", "yfov", "angle"], &["vertical_fov"]),
+    (&["vup", "viewup"], &["up"]),
+    (&["imagesize", "size", "imagewidth", "imageheight", "width", "height", "film"], &["resolution"]),
+    (&["depth", "maxdepth", "bounces"], &["max_bounces"]),
+    (&["background", "backgroundcolor", "environment", "envmap", "world", "infinite"], &["sky"]),
+    (&["objects", "shapes", "primitives", "hittables"], &["spheres"]),
+    (&["bsdfs"], &["materials"]),
+    (&["bsdf", "mat"], &["material"]),
+    (
+        &[
+            "albedo",
+            "reflectance",
+            "basecolor",
+            "colour",
+            "rgb",
+            "kd",
+            "diffuse",
+            "diffusereflectance",
+            "attenuation",
+        ],
+        &["color"],
+    ),
+    (&["fuzz", "fuzziness", "alpha", "roughnessfactor"], &["roughness"]),
+    (&["refidx", "refractionindex", "refractiveindex", "indexofrefraction", "eta", "intior"], &["ior"]),
+    (
+        &[
+            "emissive",
+            "emit",
+            "emits",
+            "light",
+            "diffuselight",
+            "arealight",
+            "radiance",
+            "le",
+            "power",
+            "intensity",
+        ],
+        &["emission", "emitter"],
+    ),
+    (&["image", "imagetexture", "bitmap", "filename", "file", "path"], &["texture", "model"]),
+    (&["lambertian", "lambert", "matte", "diffusebsdf", "diffusetransmission"], &["diffuse"]),
+    (
+        &["dielectric", "thindielectric", "transparent", "refractive", "glassbsdf", "roughdielectric"],
+        &["glass"],
+    ),
+    (&["conductor", "roughconductor", "mirror", "glossy", "glossybsdf", "specular", "chrome"], &["metal"]),
+    (&["coateddiffuse", "roughplastic", "glossydiffuse"], &["plastic"]),
+    (&["principled", "principledbsdf", "disney", "pbr", "metallicroughness"], &["metal-rough"]),
+];
+
+/// The beginning of a remedy: the known name that may be meant, by another program's word or by its spelling;
+/// empty if there is none.
 pub fn did_you_mean(name: &str, known: &[&str]) -> String {
-    nearest(name, known.iter().copied()).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default()
+    let plain: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
+    let plain = plain.to_ascii_lowercase();
+    let meant = SYNONYMS.iter().filter(|(words, _)| words.contains(&plain.as_str()));
+    let meant = meant.flat_map(|(_, ours)| *ours).find(|ours| known.contains(ours)).copied();
+    let meant = meant.or_else(|| nearest(name, known.iter().copied()));
+    meant.map(|meant| format!("did you mean `{meant}`? ")).unwrap_or_default()
 }
 
 #[cfg(test)]

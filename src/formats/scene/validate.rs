@@ -4,9 +4,10 @@
 
 use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, MAX_COPIES, SceneBuilder};
 use super::check::{WITHIN_BOUNDS, fits};
-use super::error::SceneError;
+use super::error::{MAX_FAULTS, SceneError};
+use super::faults::read_all;
 use super::files::Files;
-use super::json::{JsonPath, Source, read};
+use super::json::{JsonPath, Source};
 use super::material;
 use super::mesh::{Placement, Unusable};
 use super::model::{self, Model};
@@ -19,9 +20,10 @@ use octray_engine::scene::{Camera, Scene, Side, Sky, Sphere};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// The accepted form of a native scene text.
+/// The accepted form of a native scene text, or its faults: all those of keys and types, and the first of
+/// each of its parts otherwise.
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
-    let file: SceneFile = read(source)?;
+    let (file, faults): (SceneFile, _) = read_all(source)?;
     let root = source.root();
     if file.format != FORMAT {
         let what = format!("the format `{}` is unknown", file.format);
@@ -29,41 +31,72 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
             format!("write \"format\": \"{FORMAT}\", or \"{VIEW_FORMAT}\" for a view of another scene");
         return Err(root.key("format").error(what, mend));
     }
-    let resolution = root.key("resolution").resolution(file.resolution.unwrap_or(DEFAULT_RESOLUTION))?;
-    let max_bounces = root.key("max_bounces").bounces(file.max_bounces.unwrap_or(DEFAULT_BOUNCES))?;
+    let is_mended = !faults.is_empty();
+    let mut faults = Faults(faults);
+    let resolution = file.resolution.unwrap_or(DEFAULT_RESOLUTION);
+    let resolution = faults.none_in(root.key("resolution").resolution(resolution))?;
+    let max_bounces = file.max_bounces.unwrap_or(DEFAULT_BOUNCES);
+    let max_bounces = faults.none_in(root.key("max_bounces").bounces(max_bounces))?;
 
-    let mut loader = Loader { builder: SceneBuilder::new(files), ..Loader::default() };
+    let mut loader = Loader { builder: SceneBuilder::new(files), is_mended, ..Loader::default() };
     for entry in &file.materials.0 {
         let place = root.key("materials");
-        let number = material::material(&mut loader.builder, entry, &place.key(&entry.0))?;
-        loader.materials.insert(&entry.0, number);
+        let number = material::material(&mut loader.builder, entry, &place.key(&entry.0));
+        let number = faults.none_in(number.map(Some))?;
+        loader.materials.insert(&entry.0, number.unwrap_or_else(|| loader.builder.default_material()));
     }
     for (i, sphere) in file.spheres.iter().enumerate() {
-        loader.add_sphere(sphere, &root.key("spheres").item(i))?;
+        faults.none_in(loader.add_sphere(sphere, &root.key("spheres").item(i)))?;
     }
     for (i, triangle) in file.triangles.iter().enumerate() {
-        loader.add_triangle(triangle, &root.key("triangles").item(i))?;
+        faults.none_in(loader.add_triangle(triangle, &root.key("triangles").item(i)))?;
     }
     for name in file.meshes.iter().filter_map(|mesh| mesh.model.as_ref().or(mesh.obj.as_ref())) {
         *loader.uses.entry(name).or_default() += 1;
     }
     for (i, mesh) in file.meshes.iter().enumerate() {
-        loader.add_mesh(mesh, &root.key("meshes").item(i))?;
+        faults.none_in(loader.add_mesh(mesh, &root.key("meshes").item(i)))?;
     }
     let mut builder = loader.builder;
+    let sky = match &file.sky {
+        Some(sky) => faults.none_in(material::sky(&mut builder, sky, &root.key("sky")).map(Some))?,
+        None => None,
+    };
     if builder.is_empty() {
         let mend = "add an entry to `spheres`, `triangles` or `meshes`";
-        return Err(root.error("the scene holds nothing to see", mend));
+        return Err(faults.all().unwrap_or(root.error("the scene holds nothing to see", mend)));
     }
-
-    let sky = match &file.sky {
-        Some(sky) => material::sky(&mut builder, sky, &root.key("sky"))?,
-        None if builder.emits() => Sky::Color(Vec3::ZERO),
-        None => Sky::Color(Vec3::ONE),
-    };
     let framed = |position, look_at| builder.framing(position, look_at);
-    let camera = camera(&root.key("camera"), &file.camera.unwrap_or_default(), framed)?;
+    let camera = camera(&root.key("camera"), &file.camera.unwrap_or_default(), framed);
+    let camera = faults.none_in(camera.map(Some))?;
+    let Some(camera) = camera.filter(|_| faults.0.is_empty()) else {
+        return Err(faults.all().expect("without a fault there is a camera"));
+    };
+    let plain = if builder.emits() { Vec3::ZERO } else { Vec3::ONE };
+    let sky = sky.unwrap_or(Sky::Color(plain));
     builder.finish(name, camera, resolution, max_bounces, sky).map_err(|error| error.in_file(source.file))
+}
+
+/// The faults found so far.
+struct Faults(Vec<SceneError>);
+
+impl Faults {
+    /// What was found, or the default for what has a fault; an error once there are enough of them.
+    fn none_in<T: Default>(&mut self, found: Result<T, SceneError>) -> Result<T, SceneError> {
+        let Err(fault) = found else { return found };
+        // What lacks a part because of the part's own fault is not at fault.
+        let place = fault.place().to_string();
+        let is_inside = |known: &SceneError| {
+            known.place().strip_prefix(&place).is_some_and(|rest| rest.starts_with(['.', '[']))
+        };
+        if !self.0.iter().any(is_inside) {
+            self.0.push(fault);
+        }
+        if self.0.len() < MAX_FAULTS { Ok(T::default()) } else { self.all().map_or(Ok(T::default()), Err) }
+    }
+    fn all(&mut self) -> Option<SceneError> {
+        SceneError::of_all(std::mem::take(&mut self.0))
+    }
 }
 
 /// The camera that a file describes. `default` makes the camera whose values the file leaves out, from the
@@ -98,6 +131,8 @@ struct Loader<'a> {
     models: HashMap<&'a str, Rc<Model>>,
     /// Triangles of all copies of models.
     copies: usize,
+    /// Parts of the file are left out, perhaps its materials.
+    is_mended: bool,
 }
 
 impl<'a> Loader<'a> {
@@ -106,6 +141,9 @@ impl<'a> Loader<'a> {
         let Some(name) = name else { return Ok(self.builder.default_material()) };
         if let Some(&number) = self.materials.get(name.as_str()) {
             return Ok(number);
+        }
+        if self.is_mended && self.materials.is_empty() {
+            return Ok(self.builder.default_material());
         }
         let mut known: Vec<&str> = self.materials.keys().copied().collect();
         known.sort_unstable();

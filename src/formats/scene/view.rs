@@ -170,7 +170,7 @@ fn name_of_viewed(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -
 
 /// The view file as the user wrote it.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "an object with `format` and `scene`")]
+#[serde(deny_unknown_fields)]
 pub struct ViewFile {
     #[serde(rename = "format")]
     _format: String,

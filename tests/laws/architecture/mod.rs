@@ -32,6 +32,7 @@ const ORDER: [&[&str]; PACKAGES.len()] = [
         "adaptive",
         "render",
         "tone",
+        "diagnosis",
         "display",
     ],
     &["wording", "openexr", "scene", "output", "checkpoint"],

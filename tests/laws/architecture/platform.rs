@@ -9,8 +9,13 @@ const PLATFORM: &str = "sin cos tan asin acos atan atan2 sin_cos sinh cosh tanh 
                         log log2 log10 powf powi cbrt hypot";
 
 /// What comes after the film (a display, a file), and estimates of noise: the promise ends there.
-const BEYOND: [&str; 4] =
-    ["src/engine/tone.rs", "src/engine/display", "src/formats/output", "src/engine/film/noise.rs"];
+const BEYOND: [&str; 5] = [
+    "src/engine/tone.rs",
+    "src/engine/diagnosis.rs",
+    "src/engine/display",
+    "src/formats/output",
+    "src/engine/film/noise.rs",
+];
 
 fn calls(source: &Source) -> Vec<&'static str> {
     // Tests stand at the end of a file.

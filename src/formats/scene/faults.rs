@@ -1,0 +1,151 @@
+//! All faults of a text of a native format at once, in the words of its reader.
+//!
+//! For: [`read_all`].
+
+use super::error::{MAX_FAULTS, SceneError};
+use super::json::{JsonPath, REMOVE_ONE, Source, data_fault, quoted, read};
+use super::material;
+use super::native::{MATERIAL, example};
+use super::spelling::did_you_mean;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use serde_path_to_error::Segment;
+
+/// Longest value that a message repeats, in characters.
+const LONGEST: usize = 40;
+
+#[derive(Clone, PartialEq)]
+enum Step {
+    Key(String),
+    Item(usize),
+}
+
+/// Parses the text as `T`, and finds the faults of its keys and types. Each is mended in a copy, which is
+/// read again: what is unknown or of a wrong type is left out, what is missing is taken from [`example`].
+pub fn read_all<T: DeserializeOwned>(source: &Source) -> Result<(T, Vec<SceneError>), SceneError> {
+    let first = match read(source) {
+        Ok(found) => return Ok((found, Vec::new())),
+        Err(first) => first,
+    };
+    let Ok(mut value) = serde_json::from_str::<Value>(source.text) else { return Err(first) };
+    let (mut faults, mut left_out) = (Vec::new(), Vec::new());
+    while faults.len() < MAX_FAULTS {
+        let error = match serde_path_to_error::deserialize(&value) {
+            // Of a key that occurs twice, `value` has the second alone.
+            Ok(found) if faults.is_empty() || first.mend.as_deref() == Some(REMOVE_ONE) => {
+                faults.push(first);
+                return Ok((found, faults));
+            }
+            Ok(found) => return Ok((found, faults)),
+            Err(error) => error,
+        };
+        let steps = error.path().iter().filter_map(step).collect();
+        let Some(fault) = mend(&mut value, steps, &error.inner().to_string(), &mut left_out) else { break };
+        faults.extend(fault.map(|fault| fault.at(&source.root(), &fault.place)));
+    }
+    Err(SceneError::of_all(faults).unwrap_or(first))
+}
+
+fn step(segment: &Segment) -> Option<Step> {
+    match segment {
+        Segment::Seq { index } => Some(Step::Item(*index)),
+        Segment::Map { key } => Some(Step::Key(key.clone())),
+        Segment::Enum { .. } | Segment::Unknown => None,
+    }
+}
+
+struct Fault {
+    place: Vec<Step>,
+    what: String,
+    mend: String,
+}
+
+impl Fault {
+    /// The fault with its line: `steps` lead from `place` to it.
+    fn at(&self, place: &JsonPath, steps: &[Step]) -> SceneError {
+        match steps.split_first() {
+            Some((Step::Key(key), rest)) => self.at(&place.key(key), rest),
+            Some((Step::Item(index), rest)) => self.at(&place.item(*index), rest),
+            None => place.error(&self.what, self.mend.as_str()),
+        }
+    }
+}
+
+/// Mends the fault at `place`, of which serde says `message`, in `root`. Returns it, or `Some(None)` if it
+/// only follows from what was left out before; `None` if it cannot be mended.
+fn mend(
+    root: &mut Value,
+    mut place: Vec<Step>,
+    message: &str,
+    left_out: &mut Vec<Vec<Step>>,
+) -> Option<Option<Fault>> {
+    let (word, mut known) = quoted(message);
+    if message.starts_with("missing field") {
+        let object = find(root, &place)?.as_object_mut()?;
+        let mut key = place.clone();
+        key.push(Step::Key(word.to_string()));
+        let example = example_of(&key)?;
+        object.insert(word.to_string(), serde_json::from_str(example).ok()?);
+        let what = format!("the key `{word}` is missing");
+        let mend = format!("add `{word}` to this object, such as \"{word}\": {example}");
+        return Some((!left_out.contains(&key)).then_some(Fault { place, what, mend }));
+    }
+    let fault_place = place.clone();
+    let is_unknown = message.starts_with("unknown field");
+    // What is left out: of a wrong type, the innermost value whose form can be shown.
+    let is_word = is_unknown || message.starts_with("unknown variant");
+    let is_shown = |length: &usize| !is_word && example_of(&place[..*length]).is_some();
+    let is_key = |length: &usize| matches!(place[*length - 1], Step::Key(_));
+    let mut lengths = (1..=place.len()).rev();
+    let length = lengths.clone().find(is_shown).or_else(|| lengths.find(is_key))?;
+    place.truncate(length);
+    let Step::Key(key) = place.last()?.clone() else { return None };
+    let object = find(root, &place[..place.len() - 1])?.as_object_mut()?;
+    let (what, mend) = if is_unknown {
+        if is_in_material(&place)
+            && let Some(Value::String(material_type)) = object.get("type")
+        {
+            known.retain(|key| material::takes(material_type, key));
+        }
+        let guess = did_you_mean(word, &known);
+        let of_material = known.contains(&"material") && guess.is_empty() && material::is_key(word);
+        let hint = if of_material {
+            "it belongs to an entry of `materials`, which `material` names here; "
+        } else {
+            &guess
+        };
+        (format!("unknown key `{word}`"), format!("{hint}the keys known here are {}", known.join(", ")))
+    } else if let Some(example) = example_of(&place).filter(|_| !is_word) {
+        let value = object.get(&key)?.to_string();
+        let shown: String = value.chars().take(LONGEST).collect();
+        let cut = if shown.len() < value.len() { "…" } else { "" };
+        (format!("`{key}` cannot be {shown}{cut}"), format!("write it as in \"{key}\": {example}"))
+    } else {
+        data_fault(&key, message)
+    };
+    object.remove(&key)?;
+    left_out.push(place);
+    Some(Some(Fault { place: fault_place, what, mend }))
+}
+
+/// The value that steps lead to.
+fn find<'a>(root: &'a mut Value, steps: &[Step]) -> Option<&'a mut Value> {
+    steps.iter().try_fold(root, |value, step| match step {
+        Step::Key(key) => value.get_mut(key),
+        Step::Item(index) => value.get_mut(index),
+    })
+}
+
+/// Do the steps lead to a material, or to what it holds?
+fn is_in_material(steps: &[Step]) -> bool {
+    matches!(steps, [Step::Key(list), _, ..] if list == "materials")
+}
+
+/// An example of the value that steps lead to.
+fn example_of(steps: &[Step]) -> Option<&'static str> {
+    match steps.last()? {
+        Step::Key(_) if is_in_material(steps) && steps.len() == 2 => Some(MATERIAL),
+        Step::Key(key) => example(key),
+        Step::Item(_) => None,
+    }
+}

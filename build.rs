@@ -1,4 +1,4 @@
-//! Records what the program is built from and with: `OCTRAY_COMMIT` and `OCTRAY_RUSTC`; and how to build it for
+//! Records what the program is built from and with: `OCTRAY_COMMIT`, `OCTRAY_RUSTC`, `OCTRAY_FLAGS`; and how to build it for
 //! the machine at hand: `OCTRAY_REBUILD`. Never fails a build.
 
 use std::path::{Path, PathBuf};
@@ -39,6 +39,11 @@ fn main() {
     }
     let compiler =
         std::env::var("RUSTC").ok().and_then(|rustc| output_of(Command::new(rustc).arg("--version")));
+    // Cargo separates the flags by this character.
+    let of_build = |name| std::env::var(name).unwrap_or_default().replace('\u{1f}', " ");
+    let profile = [of_build("PROFILE"), of_build("CARGO_ENCODED_RUSTFLAGS")].join(" ");
+    println!("cargo:rustc-env=OCTRAY_FLAGS=--profile {profile}");
+    println!("cargo:rerun-if-env-changed=CARGO_ENCODED_RUSTFLAGS");
     println!("cargo:rustc-env=OCTRAY_COMMIT={}", commit.as_deref().unwrap_or("unknown"));
     println!("cargo:rustc-env=OCTRAY_RUSTC={}", compiler.as_deref().unwrap_or("rustc (version unknown)"));
 }

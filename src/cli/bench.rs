@@ -1,11 +1,10 @@
 //! `octray bench`: frames per second, SIMD beside scalar.
 
-use super::error::{CliError, checked};
+use super::error::{CliError, checked, refuse};
+use super::frame::FrameOptions;
 use super::groups::lanes;
 use super::interrupt;
-use super::memory;
 use super::numbers::{threads, whole};
-use super::picture::FrameOptions;
 use super::scenes;
 use super::terminal::{self, Printer};
 use crate::lane::WIDTHS;
@@ -13,8 +12,14 @@ use crate::machine;
 use crate::measure::bench::{Effort, Engine, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
 use crate::render::{LaneChoice, Renderer, Settings};
-use crate::report::bench::{Report, heading, meaning, ratios, row, stats_of, warning};
+use crate::report::baseline::Baseline;
+use crate::report::bench::{MeasuredScene, Report, doubt, heading, meaning, ratios, row, stats_of, summary};
+use crate::report::settings::{RunSettings, own_size};
 use crate::scene::Scene;
+use clap::Parser;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -42,6 +47,9 @@ const MAX_FRAMES: u32 = 1_000_000;
 /// brackets from 10 to 90 % of them. speed-up: over scalar. scaling: all cores over one thread. over general:
 /// the pipeline compiled for the features of the scene over the one with every feature; a dash where these
 /// are the same.
+///
+/// The last line is a summary to paste. Where the machine is busy, it and the speed-up say that they are not
+/// reliable.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
 pub struct Options {
@@ -65,6 +73,10 @@ pub struct Options {
     /// scene].
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_FRAMES>, allow_hyphen_values = true)]
     frames: Option<u32>,
+    /// A report of an earlier run (--json): print how many times as fast this one is. Another scene or other
+    /// settings are refused; another machine is a warning.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
     #[command(flatten)]
     frame: FrameOptions,
 }
@@ -74,10 +86,12 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     terminal::warn_of_debug_build("bench");
     let out = Printer { json: options.json };
-    let mut report = Report::of_this_machine();
-    memory::check(options.frame.size, COMPARE_BYTES_PER_PIXEL)?;
-    let mut failed = false;
+    options.frame.check(COMPARE_BYTES_PER_PIXEL)?;
+    let mut report = Report::new(options.run_settings());
+    let defaults = Options::parse_from(["bench"]).run_settings();
+    let (mut failed, mut own) = (false, Vec::new());
     let scenes = scenes::checked(&options.scenes)?;
+    let baseline = options.baseline.as_deref().map(|file| options.baseline(file, &scenes)).transpose()?;
     let last_note = |report: &Report| {
         let done = format!("Ctrl-C came after {} of {} scenes", report.accuracy.len(), scenes.len());
         match options.json {
@@ -87,30 +101,36 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     };
     interrupt::end_with(last_note(&report));
     for (index, spec) in scenes.iter().enumerate() {
-        let scene = scenes::load_with_warnings(spec)?;
-        let settings = options.frame.settings(&scene);
+        let (scene, settings) = options.frame.load(spec, COMPARE_BYTES_PER_PIXEL)?;
         if index == 0 {
             report.first_frame_ms = first_frame(&scene, settings, start);
-            out.text(&heading(&report, settings.resolution, settings.max_bounces, options.threads()))?;
+            out.text(&heading(&report, &defaults))?;
         }
         let effort = options.frames.map_or(Effort::Time(PER_SCENE), Effort::Frames);
         let results = bench(&scene, settings, &options.engines(), effort, options.stats);
-        let accuracy = compare(&scene, settings, 1);
+        let accuracy = compare(&scene, settings, 1, false);
         failed |= accuracy.failed(settings.methods);
         let row = row(&results, &accuracy);
+        report.scenes.push(MeasuredScene::of(&scene, &settings));
+        own.extend(own_size(&scene, &settings));
         report.results.extend(results);
         report.accuracy.push(accuracy);
         interrupt::set_last_note(last_note(&report));
         out.text(&row)?;
     }
-    out.text(&(ratios(&report) + &meaning(&report)))?;
+    let doubt = doubt(&report.results);
+    report.reliable = doubt.is_none() && !cfg!(debug_assertions);
+    report.over_baseline = baseline.as_ref().map(|baseline| baseline.ratios(&report));
+    out.text(&(ratios(&report) + &meaning(&report, &own)))?;
+    if let Some(baseline) = &baseline {
+        out.text(&baseline.text(&report))?;
+    }
     if options.stats {
         out.text(&stats_of(&report))?;
     }
+    out.text(&summary(&report, &defaults))?;
     out.report(&report)?;
-    if let Some(sentence) = warning(&report.results) {
-        terminal::warn(&sentence);
-    }
+    doubt.iter().for_each(|(_, warning)| terminal::warn(warning));
     Ok(checked(failed))
 }
 
@@ -129,6 +149,31 @@ impl Options {
             engines.push(Engine { lanes: first, threads: machine::cores() });
         }
         engines
+    }
+
+    fn run_settings(&self) -> RunSettings {
+        let engines = self.engines();
+        let lanes: BTreeSet<usize> = engines.iter().map(|engine| engine.lanes).collect();
+        let threads: BTreeSet<usize> = engines.iter().map(|engine| engine.threads).collect();
+        let (lanes, threads) = (lanes.into_iter().rev().collect(), threads.into_iter().collect());
+        let run = RunSettings { lanes, threads, ..self.frame.run_settings() };
+        run.with("frames", self.frames)
+    }
+
+    /// The report in this file, if it is one of these scenes and settings.
+    fn baseline(&self, file: &Path, scenes: &[String]) -> Result<Baseline, CliError> {
+        let refuse = |why: String| refuse("--baseline", file.display(), why);
+        let text =
+            fs::read_to_string(file).map_err(|error| refuse(format!("it cannot be read ({error})")))?;
+        let baseline = Baseline::read(&text).map_err(refuse)?;
+        let of = |name: &String| {
+            scenes::load(name).map(|scene| MeasuredScene::of(&scene, &self.frame.settings(&scene)))
+        };
+        let scenes = scenes.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+        let run = self.run_settings();
+        baseline.check(&run, &self.engines(), &scenes).map_err(refuse)?;
+        baseline.warnings(&run).iter().for_each(|warning| terminal::warn(warning));
+        Ok(baseline)
     }
 
     /// Of every engine but the one on all cores.

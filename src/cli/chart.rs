@@ -7,16 +7,20 @@ use super::numbers::{seconds, size, whole};
 use super::progress;
 use super::scenes;
 use super::terminal::{self, Printer};
-use crate::machine::{self, Machine};
+use crate::machine;
 use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures::{Line, SEEDS};
 use crate::measure::chart::{Plan, kernels};
 use crate::output;
+use crate::render::{LaneChoice, Settings};
 use crate::report::chart::{Chart, SCHEMA, drawings, text, warnings};
 use crate::report::page::page;
+use crate::report::settings::{RunSettings, own_size, own_sizes};
 use crate::report::tables::{json, tables};
-use crate::scene::MAX_BOUNCES;
+use crate::scene::{MAX_BOUNCES, Scene};
+use crate::traverse::Methods;
 use crate::wording::counted;
+use clap::Parser;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -63,6 +67,9 @@ pub struct Options {
     /// [default: 20 for each scene].
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
     budget: Option<Duration>,
+    /// Take each scene's own size, rounded up to multiples of 3, and bounces.
+    #[arg(long, conflicts_with_all = ["size", "bounces"])]
+    as_scene: bool,
     /// Pixels of a frame; multiples of 3, because the pictures of the pictures chart have a third of its
     /// width and height.
     #[arg(long, value_name = "WxH", default_value = "240x135", value_parser = chart_size, allow_hyphen_values = true)]
@@ -86,6 +93,24 @@ fn chart_size(text: &str) -> Result<[u32; 2], String> {
     Ok(size)
 }
 
+impl Options {
+    /// Size and bounces of a scene's frames.
+    fn sized(&self, scene: &Scene) -> ([u32; 2], u32) {
+        match self.as_scene {
+            true => (scene.resolution.map(|side| side.next_multiple_of(SHRINK)), scene.max_bounces),
+            false => (self.size, self.bounces),
+        }
+    }
+
+    fn run_settings(&self) -> RunSettings {
+        let (lanes, threads) = (vec![LaneChoice::default().lanes()], vec![machine::cores()]);
+        let run = RunSettings { lanes, threads, ..RunSettings::of(Methods::default()) };
+        let run = run.sized(self.size, self.bounces, self.as_scene);
+        let run = run.with("seeds", Some(self.seeds));
+        run.with("budget", self.budget.map(|time| time.as_secs_f64()))
+    }
+}
+
 /// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let start = Instant::now();
@@ -104,22 +129,23 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let kernels = kernels::measure(start + budget.mul_f64(KERNELS_SHARE).min(KERNELS_MOST));
     let mut chart = Chart {
         schema: SCHEMA,
-        machine: Machine::current(),
+        settings: options.run_settings(),
         budget_s: budget.as_secs_f64(),
         seconds: 0.0,
-        max_bounces: options.bounces,
         seeds: options.seeds,
         kernels,
         scenes: Vec::new(),
     };
-    let mut shapes = vec!["box"];
+    let (mut shapes, mut own) = (vec!["box"], Vec::new());
     for (number, name) in names.iter().enumerate() {
         let scene = first.take().map_or_else(|| scenes::load(name), Ok)?;
         scene.warnings.iter().for_each(|warning| bar.suspend(|| terminal::warn(warning)));
         let left = (start + budget).saturating_duration_since(Instant::now() + WRITING);
+        let (size, max_bounces) = options.sized(&scene);
+        own.extend(own_size(&scene, &Settings { resolution: size, max_bounces, ..Settings::of(&scene) }));
         let plan = Plan {
-            size: options.size.map(|side| side / SHRINK),
-            max_bounces: options.bounces,
+            size: size.map(|side| side / SHRINK),
+            max_bounces,
             seeds: options.seeds,
             threads: machine::cores(),
             start: Instant::now(),
@@ -128,8 +154,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         };
         let step = |what: &str| bar.set_message(format!("{}: {what}", scene.name));
         step("ground truth");
-        let place = ground_truth::place(&options.output, &scene, options.size, options.bounces);
-        let kept = ground_truth::load(&place, options.size);
+        let place = ground_truth::place(&options.output, &scene, size, max_bounces);
+        let kept = ground_truth::load(&place, size);
         let truth = match kept.filter(|truth| plan.accepts(&truth.info)) {
             Some(truth) => truth,
             None => {
@@ -155,7 +181,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     bar.finish_and_clear();
 
     let out = Printer { json: options.json };
-    out.text(&text(&chart, &options.output))?;
+    let defaults = Options::parse_from(["chart", "-o", "charts"]).run_settings();
+    out.text(
+        &(text(&chart, &defaults, &options.output) + &own_sizes(if options.as_scene { &[] } else { &own })),
+    )?;
     out.report(&chart)?;
     warnings(&chart).iter().for_each(|sentence| terminal::warn(sentence));
     Ok(checked(chart.scenes.iter().flat_map(|scene| &scene.pictures).any(Line::is_broken)))

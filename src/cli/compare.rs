@@ -2,16 +2,18 @@
 //! hashes of films, to compare machines and builds.
 
 use super::error::{CliError, checked};
-use super::memory;
+use super::frame::FrameOptions;
 use super::numbers::{samples, threads};
-use super::picture::FrameOptions;
 use super::scenes;
 use super::terminal::Printer;
+use crate::lane::WIDTHS;
 use crate::machine;
 use crate::measure::compare::{BYTES_PER_PIXEL, compare};
 use crate::render::{Renderer, Settings};
 use crate::report::compare::{FilmHash, HashReport, Report, hash_row, heading, meaning, row};
-use crate::scene::Scene;
+use crate::report::settings::RunSettings;
+use crate::scene::Loaded;
+use clap::Parser;
 use std::process::ExitCode;
 
 /// Check that SIMD and scalar render the same picture.
@@ -50,15 +52,25 @@ pub struct Options {
 }
 
 impl Options {
-    fn settings(&self, scene: &Scene) -> Settings {
-        let threads = self.threads.unwrap_or_else(machine::cores);
-        Settings { threads, ..self.frame.settings(scene) }
+    fn load(&self, name: &str) -> Result<(Loaded, Settings), CliError> {
+        let (scene, settings) = self.frame.load(name, BYTES_PER_PIXEL)?;
+        Ok((scene, Settings { threads: self.threads(), ..settings }))
+    }
+
+    fn threads(&self) -> usize {
+        self.threads.unwrap_or_else(machine::cores)
+    }
+
+    fn run_settings(&self) -> RunSettings {
+        let (lanes, threads) = (WIDTHS.into_iter().rev().collect(), vec![self.threads()]);
+        let run = RunSettings { lanes, threads, ..self.frame.run_settings() };
+        run.with("samples", Some(self.samples))
     }
 }
 
 /// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
-    memory::check(options.frame.size, BYTES_PER_PIXEL)?;
+    options.frame.check(BYTES_PER_PIXEL)?;
     let (out, scenes) = (Printer { json: options.json }, scenes::checked(&options.scenes)?);
     if options.hash { hash(&options, scenes, out) } else { compare_all(&options, scenes, out) }
 }
@@ -67,8 +79,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 fn hash(options: &Options, scenes: Vec<String>, out: Printer) -> Result<ExitCode, CliError> {
     let mut report = HashReport::default();
     for spec in scenes {
-        let scene = scenes::load_with_warnings(&spec)?;
-        let renderer = Renderer::new(&scene, options.settings(&scene));
+        let (scene, settings) = options.load(&spec)?;
+        let renderer = Renderer::new(&scene, settings);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, options.samples);
         let result = FilmHash { scene: spec, hash: format!("{:016x}", film.picture().hash()) };
@@ -80,15 +92,16 @@ fn hash(options: &Options, scenes: Vec<String>, out: Printer) -> Result<ExitCode
 }
 
 fn compare_all(options: &Options, scenes: Vec<String>, out: Printer) -> Result<ExitCode, CliError> {
-    let mut report = Report { schema: "octray-compare-1", results: Vec::new() };
+    let mut report =
+        Report { schema: "octray-compare-1", settings: options.run_settings(), results: Vec::new() };
+    let defaults = Options::parse_from(["compare"]).run_settings();
     let mut failed = false;
     for spec in scenes {
-        let scene = scenes::load_with_warnings(&spec)?;
+        let (scene, settings) = options.load(&spec)?;
         if report.results.is_empty() {
-            out.text(&heading())?;
+            out.text(&heading(&report, &defaults))?;
         }
-        let settings = options.settings(&scene);
-        let comparison = compare(&scene, settings, options.samples);
+        let comparison = compare(&scene, settings, options.samples, true);
         failed |= comparison.failed(settings.methods);
         out.text(&row(&comparison))?;
         report.results.push(comparison);

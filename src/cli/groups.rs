@@ -1,12 +1,15 @@
 //! The options of methods, which several commands share, and value parsers of choices.
 //!
-//! For: [`MethodArgs`], [`choice`], [`lanes`].
+//! For: [`MethodArgs`], [`warn_of_lost_hierarchy`], [`choice`], [`lanes`].
 
+use super::error::{CliError, refuse};
+use super::terminal;
 use crate::buffers::LightChoice;
 use crate::choice::Choice;
 use crate::lane::WIDTHS;
 use crate::render::LaneChoice;
 use crate::sampling::Sampler;
+use crate::scene::Scene;
 use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -36,7 +39,8 @@ pub struct MethodArgs {
     /// Ray-triangle intersection method [default: woop].
     #[arg(long, value_name = "METHOD", value_parser = choice::<TriangleChoice>())]
     pub triangle: Option<TriangleChoice>,
-    /// How rays find the primitives that they hit; it does not change the picture [default: needed].
+    /// How rays find the primitives that they hit; it does not change the picture. The methods naive and
+    /// moller-trumbore have no hierarchy: every primitive is tested [default: needed].
     #[arg(long, value_name = "TRAVERSAL", value_parser = choice::<TraversalChoice>())]
     pub traversal: Option<TraversalChoice>,
     /// Which emitters next event estimation samples. It changes the noise, not the expected picture [default:
@@ -69,6 +73,31 @@ impl MethodArgs {
             lights: lights.unwrap_or_default(),
             sampler: sampler.unwrap_or_default(),
         }
+    }
+    /// Refuses a traversal that stands here where one of `methods`, these or a view's, has no hierarchy.
+    pub fn check(self, methods: &Methods) -> Result<(), CliError> {
+        match (self.traversal, methods.without_hierarchy()) {
+            (Some(TraversalChoice::Through(traversal)), Some((option, method))) => {
+                let instead = format!(
+                    "{option} {method} has no hierarchy to traverse and tests every primitive: leave out one of \
+                     the two, or give --traversal linear"
+                );
+                Err(refuse("--traversal", traversal.name(), instead))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// One line where a method costs this scene its hierarchy.
+pub fn warn_of_lost_hierarchy(methods: &Methods, scene: &Scene) {
+    let Some((option, method)) = methods.without_hierarchy() else { return };
+    let with = Methods { sphere: SphereChoice::default(), triangle: TriangleChoice::default(), ..*methods };
+    if with.traversal_of(scene, 1).is_some() {
+        let name = &scene.name;
+        terminal::warn(&format!(
+            "{option} {method} has no hierarchy: every primitive of {name} is tested for each ray."
+        ));
     }
 }
 

@@ -242,10 +242,10 @@ mod tests {
     #[test]
     fn views_mean_the_same_as_options_and_options_override_them() {
         let some = json!({ "samples": 37, "seed": u32::MAX, "exposure": -0.3, "tone": "reinhard", "clamp": 10.1,
-            "sphere": "naive", "triangle": "moller-trumbore", "traversal": "single",
+            "sphere": "naive", "triangle": "moller-trumbore", "traversal": "linear",
             "lights": "on", "sampler": "random", "pipeline": "general" });
         let other = json!({ "samples": 1, "seed": 2, "exposure": 3, "tone": "aces", "clamp": 4,
-            "sphere": "robust", "triangle": "woop", "traversal": "linear",
+            "sphere": "robust", "triangle": "woop", "traversal": "single",
             "lights": "off", "sampler": "sobol", "pipeline": "needed" });
         let none = json!({});
         let by_view = chosen(&some, &none);

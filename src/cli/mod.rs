@@ -5,7 +5,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `numbers`, `groups` | value parsers; options of methods |
-//! | `picture`, `methods`, `limits` | options that commands share, and the settings made of them |
+//! | `picture`, `frame`, `limits` | options that commands share, and the settings made of them |
 //! | `bench`, `compare`, `render`, `rays`, `chart`, `view` | commands |
 //! | `stability`, `merge`, `convert`, `inspect` | commands |
 //! | `scenes` | loads the scenes of commands |
@@ -26,6 +26,7 @@ mod checkpoint;
 mod compare;
 mod convert;
 mod error;
+mod frame;
 mod frames;
 mod ground_truth;
 mod groups;

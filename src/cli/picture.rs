@@ -1,12 +1,13 @@
 //! How a picture is made: options that commands share, and the settings made of them.
 //!
-//! For: [`PictureOptions`] of `render` and `view`, [`FrameOptions`] of `bench` and `compare`.
+//! For: [`PictureOptions`] of `render` and `view`, [`of_view`].
 
 use super::groups::{MethodArgs, choice, lanes};
 use super::numbers::{clamp, exposure, seed, size, threads, whole};
 use crate::machine;
 use crate::render::{LaneChoice, PipelineChoice, Settings};
-use crate::scene::{Loaded, MAX_BOUNCES, Rendering, Scene};
+use crate::report::settings::RunSettings;
+use crate::scene::{Loaded, MAX_BOUNCES, Rendering};
 use crate::tone::{Operator, Tone};
 use crate::traverse::Methods;
 
@@ -69,6 +70,16 @@ impl PictureOptions {
         self.methods.or(MethodArgs { sphere, triangle, traversal, lights, sampler }).methods()
     }
 
+    /// What a report says of this scene's picture, and the options that differ from the defaults.
+    pub fn run_settings(&self, scene: &Loaded) -> (RunSettings, String) {
+        let (view, settings) = (of_view(scene), self.settings(scene));
+        let default = Settings { threads: machine::cores(), ..Settings::of(scene) };
+        let run = RunSettings::of_picture(&settings).with("exposure", self.exposure.or(view.exposure));
+        let run = run.with("tone", self.tone.or(view.tone));
+        let options = run.options(&RunSettings::of_picture(&default));
+        (run, options)
+    }
+
     /// The tone mapping of the displayed picture.
     pub fn tone(&self, scene: &Loaded) -> Tone {
         let view = of_view(scene);
@@ -82,37 +93,4 @@ impl PictureOptions {
 /// The options in the view that the scene was loaded through, if it was loaded through one.
 pub fn of_view(scene: &Loaded) -> Rendering {
     scene.view.as_ref().map(|view| view.render).unwrap_or_default()
-}
-
-/// How the measured frames of scenes are made.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub struct FrameOptions {
-    /// Pixels of a frame.
-    #[arg(long, value_name = "WxH", default_value = "240x135", value_parser = size, allow_hyphen_values = true)]
-    pub size: [u32; 2],
-    /// Most scattering events on a path.
-    #[arg(long, value_name = "N", default_value = "4", value_parser = whole::<0, MAX_BOUNCES>, allow_hyphen_values = true)]
-    pub bounces: u32,
-    /// Seed of the random numbers.
-    #[arg(long, value_name = "N", default_value = "0", value_parser = seed, allow_hyphen_values = true)]
-    pub seed: u32,
-    #[command(flatten)]
-    pub methods: MethodArgs,
-    /// Features that the pipeline is compiled for: the pictures are the same, the speed is not.
-    #[arg(long, value_name = "PIPELINE", default_value = PipelineChoice::default().name(), value_parser = choice::<PipelineChoice>())]
-    pub pipeline: PipelineChoice,
-}
-
-impl FrameOptions {
-    /// The settings of this scene's frames, on one thread.
-    pub fn settings(&self, scene: &Scene) -> Settings {
-        Settings {
-            resolution: self.size,
-            max_bounces: self.bounces,
-            seed: self.seed,
-            methods: self.methods.methods(),
-            pipeline: self.pipeline,
-            ..Settings::of(scene)
-        }
-    }
 }

@@ -7,15 +7,18 @@ use super::ray_dump;
 use super::scenes;
 use super::terminal::{self, Printer};
 use crate::bvh::check::check_scene;
-use crate::machine::{self, Machine};
+use crate::machine;
 use crate::measure::rays;
 use crate::measure::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::output;
-use crate::report::rays::{Report, heading, meaning, row, warning};
+use crate::report::rays::{Report, heading, meaning, rows, warning};
+use crate::report::settings::RunSettings;
 use crate::report::stats;
 use crate::scene::SceneError;
-use crate::traverse::TraversalChoice;
+use crate::traverse::{Methods, TraversalChoice};
 use crate::wording::grouped;
+use clap::Parser;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -33,10 +36,12 @@ const MAX_RAYS: u32 = 1 << 23;
 /// diffuse ray from each (cosine-weighted, nearest hit). They are traced from prepared arrays, whose
 /// preparation is not timed. All traversals are measured in alternation.
 ///
-/// Columns: rays, hits: their numbers. lanes: rays traced at a time. Mray/s: millions of rays per second, the
-/// median; beside it from 10 to 90 % of the passes. differ: rays whose hit is not that of one scalar ray at a
-/// time. It should be 0; if not, the exit code is 1. A warning tells where other programs took the processor:
-/// a tenth of the passes, of a millisecond or more, much slower than the median.
+/// Columns: lanes: rays traced at a time. Mray/s: millions of rays per second on one thread (or --threads)
+/// and on all cores, the median, and in brackets from 10 to 90 % of the passes. × scalar: over one scalar ray
+/// at a time, whose speed stands above the rows of its kind, on as many threads; the median of the passes.
+/// differ: rays whose hit is not that of one scalar ray at a time; it should be 0, or the exit code is 1. A
+/// warning tells where other programs took the processor: a tenth of the passes, of a millisecond or more,
+/// much slower than the median.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Examples:
   octray rays bunny.obj
@@ -81,6 +86,32 @@ fn rays_size(text: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
+impl Options {
+    fn threads(&self) -> Vec<usize> {
+        match (self.threads, machine::cores()) {
+            (Some(threads), _) => vec![threads],
+            (None, 1) => vec![1],
+            (None, cores) => vec![1, cores],
+        }
+    }
+
+    fn ways(&self) -> Vec<TraceMethod> {
+        TraceMethod::of(self.traversal).map_or_else(|| TraceMethod::all().collect(), |way| vec![way])
+    }
+
+    fn run_settings(&self) -> RunSettings {
+        let lanes: BTreeSet<usize> = self.ways().into_iter().map(TraceMethod::lanes).collect();
+        let run = RunSettings {
+            seed: self.seed,
+            size: Some(self.size),
+            lanes: lanes.into_iter().rev().collect(),
+            threads: self.threads(),
+            ..RunSettings::of(Methods { traversal: self.traversal, ..Methods::default() })
+        };
+        run.with("passes", self.passes)
+    }
+}
+
 /// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     terminal::warn_of_debug_build("rays SCENE");
@@ -90,24 +121,20 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if let Some(folder) = &options.dump {
         output::make_folder(folder)?;
     }
-    let threads = match (options.threads, machine::cores()) {
-        (Some(threads), _) => vec![threads],
-        (None, 1) => vec![1],
-        (None, cores) => vec![1, cores],
-    };
+    let threads = options.threads();
     let mut building = vec![1];
     building.extend(threads.iter().filter(|&&threads| threads > 1));
     let (hierarchy, builds) = rays::build(&scene, &building, FEWEST_BUILDS);
     let tree = check_scene(&hierarchy.bvh, &scene);
     let mut report = Report {
         schema: "octray-rays-1",
-        machine: Machine::current(),
+        settings: options.run_settings(),
+        reliable: false,
         scene: scene.name.clone(),
         triangles: scene.triangles.len(),
         spheres: scene.spheres.len(),
         width: options.size[0],
         height: options.size[1],
-        seed: options.seed,
         build_ms: builds[0].ms,
         builds,
         bvh_bytes: hierarchy.bytes(),
@@ -117,7 +144,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         stats: options.stats.then(Vec::new),
         left_out: Vec::new(),
     };
-    out.text(&heading(&report))?;
+    // The widths follow from the traversals.
+    let lanes = report.settings.lanes.clone();
+    let defaults = RunSettings { lanes, ..Options::parse_from(["rays", ""]).run_settings() };
+    out.text(&heading(&report, &defaults))?;
 
     let prepared_scene = PreparedScene::new(&scene, hierarchy);
     let pools: Vec<TracePool> = threads.into_iter().map(TracePool::new).collect();
@@ -129,12 +159,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         }
         ray_dump::write(folder, &scene, &sets)?;
     }
-    let chosen = TraceMethod::of(options.traversal);
     for prepared in &sets {
-        let mut ways: Vec<TraceMethod> = match chosen {
-            Some(way) => vec![way],
-            None => TraceMethod::all().collect(),
-        };
+        let mut ways = options.ways();
         if ways.contains(&TraceMethod::Linear) && rays::too_many_for_linear(&scene, &prepared.set) {
             ways.retain(|way| *way != TraceMethod::Linear);
             report.left_out.push(format!(
@@ -143,7 +169,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
             ));
         }
         let results = rays::measure(&prepared_scene, prepared, &ways, &pools, options.passes);
-        results.iter().try_for_each(|result| out.text(&row(result)))?;
+        out.text(&rows(&results))?;
         report.results.extend(results);
         if let Some(stats) = &mut report.stats {
             stats.extend(rays::count(&prepared_scene, prepared, &ways));
@@ -153,9 +179,9 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if let Some(taken) = &report.stats {
         out.text(&stats::rays(taken))?;
     }
+    let warning = warning(&report.results);
+    report.reliable = warning.is_none() && !cfg!(debug_assertions);
     out.report(&report)?;
-    if let Some(sentence) = warning(&report.results) {
-        terminal::warn(&sentence);
-    }
+    warning.iter().for_each(|sentence| terminal::warn(sentence));
     Ok(checked(report.fault.is_some() || report.results.iter().any(|result| result.disagreements > 0)))
 }

@@ -2,6 +2,7 @@
 
 use super::checkpoint::CheckpointWriter;
 use super::error::{CliError, INTERRUPTED, refuse};
+use super::groups::warn_of_lost_hierarchy;
 use super::interrupt;
 use super::jobs::{Job, RenderOptions, is_same, jobs, refuse_shard};
 use super::limits::Limits;
@@ -22,6 +23,7 @@ use crate::output::{self, Format, OutputError};
 use crate::render::{Renderer, Settings};
 use crate::report::numbers::mrays_per_s;
 use crate::report::render::{End, EstimatedError, Report};
+use crate::report::settings::RunSettings;
 use crate::report::stats;
 use crate::scene::{Camera, Loaded, Scene};
 use crate::tone::Tone;
@@ -45,6 +47,9 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     }
 
     let (settings, tone) = (options.picture.settings(&scene), options.picture.tone(&scene));
+    options.picture.methods.check(&settings.methods)?;
+    warn_of_lost_hierarchy(&settings.methods, &scene);
+    let (run_settings, differing) = options.picture.run_settings(&scene);
     memory::check_film(settings.resolution, limits.target.is_some())?;
     let tiles = Tile::cover(settings.resolution, settings.tile_size).count();
     if let Some(shard) = jobs[0].shard.filter(|shard| shard.of as usize > tiles) {
@@ -53,7 +58,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     }
     let renderer = Renderer::new(&scene, settings);
     interrupt::listen();
-    let rendering = Rendering { options, limits, settings, tone };
+    let rendering = Rendering { options, limits, settings, tone, run_settings, differing };
     let mut prepared = Some((scene.scene, renderer));
     let last = jobs.len() - 1;
     for (index, (job, camera)) in jobs.into_iter().zip(cameras).enumerate() {
@@ -108,6 +113,9 @@ struct Rendering {
     limits: Limits,
     settings: Settings,
     tone: Tone,
+    run_settings: RunSettings,
+    /// The options that differ from the defaults.
+    differing: String,
 }
 
 impl Rendering {
@@ -140,7 +148,7 @@ impl Rendering {
         let progress = Progress::new(film.pixels(), film.pixel_samples(), limits.time);
         let traced = trace(renderer, &mut film, limits, writer.as_mut(), &progress);
         progress.writing(&job.output);
-        let report = self.report(job, &film, &traced, renderer);
+        let report = self.report(job, &film, &traced, scene, renderer);
         let tone = Format::of(&job.output).is_ok_and(|format| !format.is_linear()).then_some(self.tone);
         let is_judged = first && job.shard.is_none() && traced.end != End::Interrupt;
         let odd = if is_judged { diagnosis::warnings(renderer, scene, &film, tone) } else { Vec::new() };
@@ -209,14 +217,14 @@ impl Rendering {
             ));
         }
         let out = Printer { json: self.options.json };
-        out.text(&report.line(self.limits.samples, begun))?;
+        out.text(&report.line(self.limits.samples, begun, &self.differing))?;
         if let Some(taken) = &report.stats {
             out.text(&(stats::frames("stage", &[taken]) + &stats::meaning_of_frames()))?;
         }
         out.report(report)
     }
 
-    fn report(&self, job: &Job, film: &Film, traced: &Traced, renderer: &Renderer) -> Report {
+    fn report(&self, job: &Job, film: &Film, traced: &Traced, scene: &Scene, renderer: &Renderer) -> Report {
         let Self { options, limits, settings, .. } = self;
         let [width, height] = settings.resolution;
         let target = &limits.target;
@@ -244,6 +252,8 @@ impl Rendering {
             estimated_error: estimated,
             max_bounces: settings.max_bounces,
             seed: settings.seed,
+            traversal: settings.methods.traversal_name(scene, settings.lanes),
+            settings: self.run_settings.clone(),
             clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),
             seconds: traced.time.as_secs_f64(),
             rays: film.rays(),

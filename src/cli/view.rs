@@ -186,6 +186,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         return refuse(&what, "name a scene, a model, a folder of them, or builtin:NAME");
     }
     let first = scenes::load_with_warnings(name)?;
+    options.picture.methods.check(&options.picture.methods(&first))?;
     memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
     let in_terminal = options.terminal || !cfg!(feature = "window");
     if in_terminal && !std::io::stdout().is_terminal() {

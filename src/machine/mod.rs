@@ -5,22 +5,24 @@
 pub(crate) mod features;
 
 use crate::wording::counted;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The origin of a figure: figures are comparable only if their machines are equal.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// The processor's model name.
     pub cpu: String,
     /// Hardware threads available to this process.
     pub cores: usize,
     /// Instruction sets that the program was compiled for.
-    pub target_features: Vec<&'static str>,
+    pub target_features: Vec<String>,
     /// Version of the compiler.
-    pub rustc: &'static str,
+    pub rustc: String,
+    /// Cargo's profile and the compiler's flags.
+    pub flags: String,
     /// Commit of the source, with `+changes` where files differed from it; `unknown` outside a checkout.
-    pub commit: &'static str,
+    pub commit: String,
 }
 
 impl Machine {
@@ -29,9 +31,10 @@ impl Machine {
         Self {
             cpu: cpu(),
             cores: cores(),
-            target_features: features::compiled(),
-            rustc: env!("OCTRAY_RUSTC"),
-            commit: env!("OCTRAY_COMMIT"),
+            target_features: features::compiled().into_iter().map(String::from).collect(),
+            rustc: env!("OCTRAY_RUSTC").into(),
+            flags: env!("OCTRAY_FLAGS").into(),
+            commit: env!("OCTRAY_COMMIT").into(),
         }
     }
 }
@@ -39,8 +42,10 @@ impl Machine {
 /// In one line.
 impl fmt::Display for Machine {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { cpu, cores, target_features, rustc, commit } = self;
-        let vector = ["avx512f", "avx2", "fma", "sse4.1"].into_iter().find(|f| target_features.contains(f));
+        let Self { cpu, cores, target_features, rustc, commit, .. } = self;
+        let vector = ["avx512f", "avx2", "fma", "sse4.1"]
+            .into_iter()
+            .find(|name| target_features.iter().any(|known| known == name));
         let vector = vector.unwrap_or("plain x86-64");
         let cores = counted(cores, "core", "cores");
         write!(f, "{cpu}, {cores}, built for {vector} by {rustc}, commit {commit}")
@@ -91,6 +96,8 @@ mod tests {
         let json = serde_json::to_value(Machine::current()).unwrap();
         assert!(json["cores"].as_u64().unwrap() >= 1);
         assert!(json["rustc"].as_str().unwrap().starts_with("rustc "));
+        assert!(json["flags"].as_str().unwrap().starts_with("--profile "));
+        assert_eq!(serde_json::from_value::<Machine>(json.clone()).unwrap(), Machine::current());
         assert!(!json["cpu"].as_str().unwrap().is_empty());
         assert!(!json["commit"].as_str().unwrap().is_empty());
         assert!(json["target_features"].is_array());

@@ -3,16 +3,19 @@
 //! For: [`Report`].
 
 use super::numbers::{figure, ratio};
+use super::settings::{RunSettings, own_sizes, traversals};
 use super::stats::{self, engine};
 use super::text::{self, paragraph};
 use crate::camera::MAX_PIXELS;
+use crate::checkpoint::Fingerprint;
 use crate::lane::WIDTHS;
-use crate::machine::Machine;
 use crate::measure::bench::{FEWEST_FRAMES, Measurement};
 use crate::measure::compare::Comparison;
 use crate::measure::timed::Ratio;
+use crate::render::Settings;
+use crate::scene::Scene;
 use crate::wording::{counted, grouped};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A 1 % low below this share of the median means that other programs took the processor.
 const BUSY: f64 = 0.6;
@@ -27,31 +30,85 @@ const TILES_A_THREAD: usize = 8;
 pub struct Report {
     /// Name and version of the report's form.
     pub schema: &'static str,
-    /// What the figures were measured with.
-    pub machine: Machine,
+    /// How the figures were measured.
+    pub settings: RunSettings,
+    /// Whether nothing tells of a busy machine, of too few frames or of a debug build.
+    pub reliable: bool,
     /// Milliseconds from the start of the command to the end of its first frame.
     pub first_frame_ms: f64,
+    /// In their order.
+    pub scenes: Vec<MeasuredScene>,
     /// By scene, then by engine.
     pub results: Vec<Measurement>,
     /// One sample of each scene: SIMD against scalar and against the f64 reference. A speed is reported with
     /// its accuracy.
     pub accuracy: Vec<Comparison>,
+    /// With `--baseline`, by scene, then by engine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over_baseline: Option<Vec<OverBaseline>>,
+}
+
+/// Name and version of the JSON report's form.
+pub const SCHEMA: &str = "octray-bench-1";
+
+/// What was measured of a scene.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct MeasuredScene {
+    /// Its name.
+    pub scene: String,
+    /// Pixels.
+    size: [u32; 2],
+    /// Most scattering events of a path.
+    bounces: u32,
+    /// Its content, in checksums.
+    content: Fingerprint,
+}
+
+impl MeasuredScene {
+    /// A scene with these settings.
+    pub fn of(scene: &Scene, settings: &Settings) -> Self {
+        let (size, bounces) = (settings.resolution, settings.max_bounces);
+        Self { scene: scene.name.clone(), size, bounces, content: Fingerprint::of(scene) }
+    }
+
+    /// Are both one scene, whatever its name?
+    pub fn is_same(&self, other: &Self) -> bool {
+        (self.size, self.bounces, &self.content) == (other.size, other.bounces, &other.content)
+    }
+}
+
+/// The speed of a scene and an engine over that in the baseline.
+#[derive(Debug, Serialize)]
+pub struct OverBaseline {
+    /// Its name.
+    pub scene: String,
+    /// SIMD width.
+    pub lanes: usize,
+    /// Worker threads.
+    pub threads: usize,
+    /// Of the median frames; above 1 where the new one is faster.
+    pub median: f64,
+    /// From the slow tenth of the new frames over the fast tenth of the old ones, to the reverse.
+    pub spread: [f64; 2],
 }
 
 impl Report {
     /// Without figures yet.
-    pub fn of_this_machine() -> Self {
+    pub fn new(settings: RunSettings) -> Self {
         Self {
-            schema: "octray-bench-1",
-            machine: Machine::current(),
+            schema: SCHEMA,
+            settings,
+            reliable: false,
             first_frame_ms: 0.0,
+            scenes: Vec::new(),
             results: Vec::new(),
             accuracy: Vec::new(),
+            over_baseline: None,
         }
     }
 
     /// The results of each scene: all have the same engines.
-    fn scenes(&self) -> impl Iterator<Item = &[Measurement]> {
+    pub fn engines(&self) -> impl Iterator<Item = &[Measurement]> {
         let engines = self.results.len() / self.accuracy.len().max(1);
         self.results.chunks(engines.max(1))
     }
@@ -65,19 +122,25 @@ fn widths() -> Vec<isize> {
     [&[-24][..], &vec![16; WIDTHS.len()], &[16, 7, 8, 8, 9]].concat()
 }
 
-/// What stands above the rows of scenes; `threads` of all columns but one.
-pub fn heading(report: &Report, [width, height]: [u32; 2], max_bounces: u32, threads: usize) -> String {
+/// What stands above the rows of scenes.
+pub fn heading(Report { settings, .. }: &Report, defaults: &RunSettings) -> String {
+    let size =
+        settings.size.map_or("each scene's size".into(), |[width, height]| format!("{width}×{height}"));
+    let bounces = match settings.bounces {
+        Some(bounces) => format!("up to {}", counted(bounces, "bounce", "bounces")),
+        None => "each scene's bounces".into(),
+    };
     let names = std::iter::once("scene".into())
         .chain(WIDTHS.into_iter().rev().map(engine))
         .chain(["all cores", "Mray/s", "pixels≠", "hits≠", "rmse"].map(String::from));
     format!(
         "{}\n\
-         {width}×{height}, 1 sample a frame, up to {}, {}\n\
+         {}{size}, 1 sample a frame, {bounces}, {}\n\
          frames per second: median (1 % low)\n\n\
          {}",
-        report.machine,
-        counted(max_bounces, "bounce", "bounces"),
-        counted(threads, "thread", "threads"),
+        settings.machine,
+        settings.line(defaults),
+        counted(settings.threads[0], "thread", "threads"),
         text::row(&widths(), names)
     )
 }
@@ -127,7 +190,7 @@ pub fn ratios(report: &Report) -> String {
         text::row(&[-24, 24, 24, 24], std::iter::once(scene.to_owned()).chain(cells))
     };
     let mut rows = String::new();
-    for of_scene in report.scenes() {
+    for of_scene in report.engines() {
         let ratios = RATIOS.map(|(.., of)| of_scene.iter().find_map(of));
         if ratios.iter().any(Option::is_some) {
             let cell = |of: Option<Ratio>| of.map_or(NOTHING.into(), |of| ratio(of.median, of.spread));
@@ -142,28 +205,39 @@ pub fn ratios(report: &Report) -> String {
     format!("\n{}\n{}{rows}", paragraph(&meanings), row("scene", RATIOS.map(|(name, ..)| name.into())))
 }
 
-/// A warning that the machine is busy, by the 1 % low or by what other cores add; else that a scene has fewer
-/// frames than [`FEWEST_FRAMES`]: its 1 % low is the slowest frame, which proves nothing.
-pub fn warning(results: &[Measurement]) -> Option<String> {
-    busy(results).or_else(|| cores_are_taken(results)).or_else(|| {
+/// Why the figures are not reliable, in a few words and as a warning: the machine is busy, by the 1 % low or
+/// by what other cores add; else a scene has fewer frames than [`FEWEST_FRAMES`]: its 1 % low is the slowest
+/// frame, which proves nothing.
+pub fn doubt(results: &[Measurement]) -> Option<(&'static str, String)> {
+    let busy = busy(results).map(|warning| ("on a busy machine", warning));
+    let taken = || cores_are_taken(results).map(|warning| ("where other cores are taken", warning));
+    busy.or_else(taken).or_else(|| {
         let few = results.iter().find(|result| result.frames < FEWEST_FRAMES)?;
-        Some(format!(
+        let warning = format!(
             "{} was timed for {}, too few to tell whether other programs took the processor: give --frames \
              {FEWEST_FRAMES} or more.",
             few.scene,
             counted(few.frames, "frame", "frames")
-        ))
+        );
+        Some(("of too few frames", warning))
     })
+}
+
+/// The doubt in a sentence about a figure; a debug build is one too.
+fn unreliable(report: &Report) -> String {
+    let debug = cfg!(debug_assertions).then_some("of a debug build");
+    let why = doubt(&report.results).map(|(why, _)| why).or(debug);
+    why.map(|why| format!(", {why}: not reliable")).unwrap_or_default()
 }
 
 /// Names the engine with the lowest 1 % low, where that is below `BUSY` of its median.
 fn busy(results: &[Measurement]) -> Option<String> {
     let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
     let shares = timed.map(|Measurement { scene, lanes, threads, fps_low_1_percent, fps_median, .. }| {
-        let (engine, threads) = (engine(*lanes), counted(threads, "thread", "threads"));
+        let engine = engine_name(*lanes, *threads);
         let share = fps_low_1_percent / fps_median;
         let percent = 100.0 * share;
-        (share, format!("the 1 % low of {scene} ({engine}, {threads}) is {percent:.0} % of its median"))
+        (share, format!("the 1 % low of {scene} ({engine}) is {percent:.0} % of its median"))
     });
     text::busy(shares, BUSY)
 }
@@ -185,29 +259,69 @@ fn cores_are_taken(results: &[Measurement]) -> Option<String> {
     ))
 }
 
+/// A width and a number of threads in words.
+pub fn engine_name(lanes: usize, threads: usize) -> String {
+    format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
+}
+
 /// The tables of `--stats`: one a scene with a column an engine, and what they mean.
 pub fn stats_of(report: &Report) -> String {
-    let tables = report.scenes().map(|of_scene| {
+    let tables = report.engines().map(|of_scene| {
         let columns: Vec<_> = of_scene.iter().filter_map(|result| result.stats.as_ref()).collect();
         stats::frames(&of_scene[0].scene, &columns)
     });
     tables.collect::<String>() + &stats::meaning_of_frames()
 }
 
-/// The tables in words.
-pub fn meaning(report: &Report) -> String {
+/// The speed-up, once: over the scenes, with the spread of the rounds, and whether it is reliable.
+fn speedup(report: &Report) -> String {
+    let ratios: Vec<Ratio> = report.engines().filter_map(|of_scene| of_scene[0].speedup).collect();
+    let range = |least: fn(&Ratio) -> f64, most: fn(&Ratio) -> f64| {
+        let least = ratios.iter().map(least).fold(f64::INFINITY, f64::min);
+        let most = ratios.iter().map(most).fold(0.0, f64::max);
+        let [least, most] = [least, most].map(|x| format!("{x:.1}"));
+        if least == most { least } else { format!("{least} to {most}") }
+    };
+    let Some(first) = report.results.first().filter(|_| !ratios.is_empty()) else {
+        return "One width was timed.\n".into();
+    };
+    paragraph(&format!(
+        "Speed-up: {} are {} times as fast as scalar (10 to 90 % of the rounds: {}){}.",
+        engine(first.lanes),
+        range(|ratio| ratio.median, |ratio| ratio.median),
+        range(|ratio| ratio.spread[0], |ratio| ratio.spread[1]),
+        unreliable(report)
+    ))
+}
+
+/// One line to paste: frames per second of the first engine, how, where, and of which commit.
+pub fn summary(report: &Report, defaults: &RunSettings) -> String {
+    let Some(first) = report.results.first() else { return String::new() };
+    let rates = report.engines().map(|of_scene| {
+        let name = of_scene[0].scene.trim_start_matches("builtin:");
+        format!("{name} {} fps", figure(of_scene[0].fps_median, 0))
+    });
+    let options = match report.settings.options(defaults) {
+        none if none.is_empty() => none,
+        options => format!("; {options}"),
+    };
+    let machine = &report.settings.machine;
+    format!(
+        "\noctray bench: {}{}; {}{options}; {}, commit {}\n",
+        rates.collect::<Vec<_>>().join(", "),
+        unreliable(report),
+        engine_name(first.lanes, first.threads),
+        machine.cpu,
+        machine.commit
+    )
+}
+
+/// The tables in words; `own` are the scenes whose size or bounces are not measured.
+pub fn meaning(report: &Report, own: &[String]) -> String {
     let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
     let hits: usize = report.accuracy.iter().map(|accuracy| accuracy.reference.mismatched_hits).sum();
-    // Of each scene the first width alone: that of the default, or the one asked for.
-    let firsts = report.scenes().map(|of_scene| &of_scene[0]);
-    let ratios: Vec<f64> = firsts.filter_map(|first| Some(first.speedup?.median)).collect();
-    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = ratios.iter().copied().fold(0.0, f64::max);
-    let speed = match ratios.len() {
-        0 => "One width was timed.".into(),
-        1 => format!("SIMD is {least:.1} times as fast as scalar."),
-        _ => format!("SIMD is {least:.1} to {most:.1} times as fast as scalar."),
-    };
+    let firsts = report.engines().map(|of_scene| (of_scene[0].scene.as_str(), of_scene[0].traversal));
+    let (speedup, traversals, own) = (speedup(report), traversals(firsts), own_sizes(own));
     let same = match pixels {
         0 => "The pictures of all widths are the same, bit by bit.".into(),
         _ => counted(pixels, "PIXEL DIFFERS.", "PIXELS DIFFER."),
@@ -216,13 +330,14 @@ pub fn meaning(report: &Report) -> String {
         0 => "Every primary hit is right by the f64 reference.".into(),
         _ => counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference.",
     };
-    format!("\n{speed}\n{same}\n{right}\n")
+    format!("\n{speedup}{same}\n{right}\n{traversals}{own}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::measure::compare::ReferenceCheck;
+    use crate::traverse::Methods;
 
     fn result(scene: &str, frames: usize, low: f64) -> Measurement {
         Measurement {
@@ -242,6 +357,7 @@ mod tests {
             speedup: None,
             scaling: None,
             needs: Vec::new(),
+            traversal: "linear",
             pipeline: "needed",
             over_general: None,
             stats: None,
@@ -261,9 +377,8 @@ mod tests {
             mismatched_pixels: 0,
             first_mismatch: None,
             discarded_samples: 0,
-            speedup: 1.0,
-            speedup_spread: [1.0; 2],
-            speedup_rounds: 1,
+            speedup: None,
+            traversal: "linear",
             reference: ReferenceCheck { rmse: 0.0, max_abs: 0.0, mismatched_hits: 0, pixels: 1, samples: 1 },
         }
     }
@@ -278,7 +393,7 @@ mod tests {
         let mut report = Report {
             results: [engines(times(7.0), times(2.0)), engines(times(6.0), None)].concat(),
             accuracy: vec![equal_pictures(), equal_pictures()],
-            ..Report::of_this_machine()
+            ..Report::new(RunSettings::of(Methods::default()))
         };
         let rows = ratios(&report);
         let rows: Vec<Vec<&str>> =
@@ -287,7 +402,17 @@ mod tests {
         assert_eq!(rows[1], ["same", "7.00×", "(6.75–7.50)", "2.00×", "(1.75–2.50)", "1.50×", "(1.25–2.00)"]);
         assert_eq!(rows[2], ["same", "6.00×", "(5.75–6.50)", "–", "1.50×", "(1.25–2.00)"]);
         assert_eq!(rows.len(), 3);
-        assert!(meaning(&report).contains("SIMD is 6.0 to 7.0 times"));
+        let told = |report: &Report| speedup(report).replace('\n', " ");
+        let expected =
+            "Speed-up: 8 lanes are 6.0 to 7.0 times as fast as scalar (10 to 90 % of the rounds: 5.8 to 7.5)";
+        assert!(told(&report).starts_with(expected), "{}", told(&report));
+        report.results[0].fps_low_1_percent = 10.0;
+        assert!(told(&report).ends_with(", on a busy machine: not reliable. "), "{}", told(&report));
+        let summary = summary(&report, &report.settings);
+        assert!(
+            summary.contains("same 100 fps, on a busy machine: not reliable; 8 lanes, 2 threads;"),
+            "{summary}"
+        );
         report.results.iter_mut().for_each(|result| *result = self::result("same", 99, 90.0));
         assert_eq!(ratios(&report), "");
     }
@@ -315,22 +440,22 @@ mod tests {
     #[test]
     fn warning_names_a_scene_that_gains_nothing_from_all_cores() {
         let scaled = |scene, scaling| Measurement { scaling, ..result(scene, 99, 90.0) };
-        assert_eq!(warning(&[scaled("two", times(1.9)), scaled("one", None)]), None);
-        let sentence = warning(&[scaled("two", times(1.9)), scaled("taken", times(0.98))]).unwrap();
+        assert_eq!(doubt(&[scaled("two", times(1.9)), scaled("one", None)]), None);
+        let (_, sentence) = doubt(&[scaled("two", times(1.9)), scaled("taken", times(0.98))]).unwrap();
         assert!(sentence.starts_with("taken was only 0.98 times as fast on all cores"), "{sentence}");
         let small = Measurement { width: 16, height: 16, ..scaled("small", times(0.98)) };
-        assert_eq!(warning(&[small]), None, "a tile has one thread");
+        assert_eq!(doubt(&[small]), None, "a tile has one thread");
     }
 
     #[test]
     fn warning_names_the_engine_with_the_lowest_share_or_a_scene_of_few_frames() {
         let few = result("few", FEWEST_FRAMES - 1, 1.0);
-        assert_eq!(warning(&[result("calm", 99, 61.0)]), None);
-        let sentence = warning(&[few.clone(), result("calm", 99, 61.0)]).unwrap();
+        assert_eq!(doubt(&[result("calm", 99, 61.0)]), None);
+        let (_, sentence) = doubt(&[few.clone(), result("calm", 99, 61.0)]).unwrap();
         assert!(sentence.starts_with("few was timed for 49 frames, too few"), "{sentence}");
-        let sentence = warning(&[result("one", 1, 100.0)]).unwrap();
+        let (_, sentence) = doubt(&[result("one", 1, 100.0)]).unwrap();
         assert!(sentence.starts_with("one was timed for 1 frame, too few"), "{sentence}");
-        let sentence = warning(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
+        let (_, sentence) = doubt(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
         assert!(
             sentence.contains("busy") && sentence.contains("worse (8 lanes, 2 threads) is 40 %"),
             "{sentence}"

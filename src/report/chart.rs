@@ -6,8 +6,8 @@ use super::chart_drawings::of_scene;
 use super::chart_kernels::intersection;
 use super::drawing::Drawing;
 use super::numbers::figure;
+use super::settings::RunSettings;
 use super::text::row;
-use crate::machine::Machine;
 use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::kernels::Kernel;
 use crate::measure::chart::{SceneChart, motion, pictures};
@@ -20,14 +20,12 @@ use std::path::Path;
 pub struct Chart {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// What it was measured with.
-    pub machine: Machine,
+    /// How it was measured.
+    pub settings: RunSettings,
     /// Seconds allowed, for all scenes together.
     pub budget_s: f64,
     /// Seconds taken.
     pub seconds: f64,
-    /// Most scattering events of a path.
-    pub max_bounces: u32,
     /// Number of seeds behind every median of `pictures`.
     pub seeds: u32,
     /// The intersection methods alone, at both widths.
@@ -92,12 +90,12 @@ fn times(ratio: f64) -> String {
 const WIDTHS: [isize; 6] = [-24, 12, 12, 12, 14, 0];
 
 /// The figures of a chart whose files are in `folder`.
-pub(crate) fn text(chart: &Chart, folder: &Path) -> String {
-    let mut text = format!("{}\n", chart.machine);
+pub(crate) fn text(chart: &Chart, defaults: &RunSettings, folder: &Path) -> String {
+    let mut text = format!("{}\n{}", chart.settings.machine, chart.settings.line(defaults));
     for scene in &chart.scenes {
-        let [width, height] = scene.size;
+        let ([width, height], [of_width, of_height]) = (scene.size, scene.frame_size);
         text += &format!(
-            "\n{}, {width}×{height}; the ground truth has {} samples and an error of {:.1e}\n",
+            "\n{}, {width}×{height}, a third of {of_width}×{of_height}; the ground truth has {} samples and an error of {:.1e}\n",
             scene.scene,
             grouped(scene.truth.samples * SHRINK * SHRINK),
             scene.truth.small_rmse,

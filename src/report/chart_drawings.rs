@@ -265,6 +265,7 @@ mod tests {
         let truth =
             GroundTruthInfo { samples: 2, frame_rmse: 0.1, small_rmse: 0.1, budget_s: 1.0, cached: false };
         SceneChart {
+            max_bounces: 4,
             scene: "one".into(),
             size: [1, 1],
             frame_size: [3, 3],

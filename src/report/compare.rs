@@ -3,6 +3,7 @@
 //! For: [`Report`], [`HashReport`].
 
 use super::numbers::ratio;
+use super::settings::{RunSettings, traversals};
 use super::text;
 use crate::lane::FUSED;
 use crate::measure::compare::Comparison;
@@ -17,6 +18,8 @@ const FEWEST_ROUNDS: usize = 3;
 pub struct Report {
     /// Name and version of the report's form.
     pub schema: &'static str,
+    /// How the pictures were made.
+    pub settings: RunSettings,
     /// One a scene.
     pub results: Vec<Comparison>,
 }
@@ -56,32 +59,34 @@ pub fn hash_row(FilmHash { scene, hash }: &FilmHash) -> String {
 const WIDTHS: [isize; 8] = [-24, 11, 11, 11, 23, 12, 12, 12];
 
 /// What stands above the rows of scenes.
-pub fn heading() -> String {
-    text::row(
+pub fn heading(report: &Report, defaults: &RunSettings) -> String {
+    let names = text::row(
         &WIDTHS,
         ["scene", "pixels", "samples", "differing", "speed-up", "rmse/f64", "max/f64", "wrong hits"],
-    )
+    );
+    report.settings.line(defaults) + &names
 }
 
 /// A scene's row, and below it what is odd about the scene.
 pub fn row(result: &Comparison) -> String {
     let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, reference, .. } = result;
-    let known = result.speedup_rounds >= FEWEST_ROUNDS;
+    let rounds = result.speedup.map_or(0, |speedup| speedup.rounds);
+    let speedup = result.speedup.filter(|_| rounds >= FEWEST_ROUNDS);
     let cells = [
         scene.clone(),
         grouped(pixels),
         grouped(samples),
         grouped(mismatched_pixels),
-        if known { ratio(result.speedup, result.speedup_spread) } else { "–".into() },
+        speedup.map_or("–".into(), |speedup| ratio(speedup.median, speedup.spread)),
         format!("{:.2e}", reference.rmse),
         format!("{:.2e}", reference.max_abs),
         grouped(reference.mismatched_hits),
     ];
     let mut row = text::row(&WIDTHS, cells);
-    if !known {
+    if speedup.is_none() {
         row += &format!(
             "  speed-up: {} timed; give --samples {FEWEST_ROUNDS} or more\n",
-            counted(result.speedup_rounds, "sample was", "samples were")
+            counted(rounds, "sample was", "samples were")
         );
     }
     if result.discarded_samples > 0 {
@@ -109,5 +114,6 @@ pub fn meaning(report: &Report) -> String {
         false => "pictures of 1, 8 and 16 lanes are the same, bit by bit",
         true => "SIMD and scalar DIFFER: a bug in octray, please report it with the scene",
     };
-    format!("\n{same}; {right}.\n")
+    let scenes = report.results.iter().map(|result| (result.scene.as_str(), result.traversal));
+    format!("\n{}{same}; {right}.\n", traversals(scenes))
 }

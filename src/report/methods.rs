@@ -47,13 +47,11 @@ pub struct HierarchyReport {
 impl TraversalReport {
     /// What [`Methods::default`] chooses for this scene with 8 lanes.
     pub fn of(scene: &Scene) -> Self {
-        let traversal = Methods::default()
-            .traversal_of(scene, F32x8::WIDTH)
-            .map_or(TraceMethod::Linear, TraceMethod::Tree);
+        let traversal = Methods::default().traversal_name(scene, F32x8::WIDTH);
         Self {
             // The same for all rays: a traversal itself finds out which rays are coherent.
-            primary: traversal.name(),
-            bounces: traversal.name(),
+            primary: traversal,
+            bounces: traversal,
             linear_cost: list_cost(scene),
             most_linear_cost: MAX_LIST_COST,
         }

@@ -6,10 +6,13 @@
 //! | `inspection`, with `methods` | the report of `inspect` |
 //! | [`chart`], `tables`, [`page`] | the report of `chart`: JSON and text, CSV, HTML |
 //! | `chart_drawings`, `chart_kernels` | the drawings of `chart` |
+//! | [`settings`] | how figures were made: a part of every report |
+//! | `baseline` | an earlier report of `bench`, and the ratios to it |
 //! | `stats` | the tables of `--stats` |
 //! | `figure`, `dots`, over `drawing` and `scale` | lines in planes, tables of dots, as SVG |
 //! | `numbers`, `text` | numbers as text; paragraphs, rows of tables, the warning of a busy machine |
 
+pub(crate) mod baseline;
 pub(crate) mod bench;
 pub mod chart;
 pub(crate) mod chart_drawings;
@@ -25,6 +28,7 @@ pub mod page;
 pub(crate) mod rays;
 pub(crate) mod render;
 pub(crate) mod scale;
+pub mod settings;
 pub(crate) mod stability;
 pub(crate) mod stats;
 pub(crate) mod tables;

@@ -241,9 +241,9 @@ fn source(chart: &Chart) -> Markup {
     html! {
         h2 { "Machine and build" }
         p {
-            "Machine: " (chart.machine) ". Instruction sets compiled for: " (chart.machine.target_features.join(", ")) ". Taken in "
+            "Machine: " (chart.settings.machine) ". Instruction sets compiled for: " (chart.settings.machine.target_features.join(", ")) ". Taken in "
             (format!("{:.0} s", chart.seconds)) " of " (format!("{:.0} s", chart.budget_s)) " allowed; up to "
-            (counted(chart.max_bounces, "bounce", "bounces")) ". The same numbers are in chart.json, pictures.csv, frames.csv, display.csv, motion.csv and kernels.csv beside this page."
+            (chart.settings.bounces.map_or("each scene's own number of bounces".into(), |bounces| counted(bounces, "bounce", "bounces"))) ". The same numbers are in chart.json, pictures.csv, frames.csv, display.csv, motion.csv and kernels.csv beside this page."
         }
     }
 }

@@ -2,12 +2,13 @@
 //!
 //! For: [`Report`].
 
-use super::numbers::{bytes, figure};
-use super::text::{busy, row as row_of};
+use super::numbers::{bytes, figure, times};
+use super::settings::RunSettings;
+use super::text::{busy, row};
 use crate::bvh::check::Statistics;
-use crate::machine::Machine;
 use crate::measure::rays::{BuildTime, FEWEST_PASSES, Measurement};
 use crate::measure::stats::RayStats;
+use crate::traverse::Traversal;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
@@ -16,13 +17,18 @@ const BUSY: f64 = 0.75;
 /// Seconds of a pass below which a short interruption looks like a slow pass.
 const SHORTEST_PASS: f64 = 1e-3;
 
+/// The traversal with which the others are compared.
+const SCALAR: &str = Traversal::Scalar.name();
+
 /// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
     /// Name and version of the report's form.
     pub schema: &'static str,
-    /// What the figures were measured with.
-    pub machine: Machine,
+    /// How the figures were measured.
+    pub settings: RunSettings,
+    /// Whether nothing tells of a busy machine or of a debug build.
+    pub reliable: bool,
     /// Its name.
     pub scene: String,
     /// In the scene.
@@ -33,8 +39,6 @@ pub struct Report {
     pub width: u32,
     /// In pixels.
     pub height: u32,
-    /// Of the directions of shadow and diffuse rays.
-    pub seed: u32,
     /// Median milliseconds of a build on one thread.
     pub build_ms: f64,
     /// By number of threads, one first.
@@ -54,12 +58,16 @@ pub struct Report {
     pub left_out: Vec<String>,
 }
 
-/// The widths of the table's columns.
-const WIDTHS: [isize; 9] = [-9, 11, 11, -12, 6, 8, 9, 19, 8];
+/// A row of the table; two cells for each number of threads.
+fn cells(first: [&str; 2], of_threads: Vec<[String; 2]>, last: &str) -> String {
+    let widths = [&[-12, 6][..], &[26, 10].repeat(of_threads.len()), &[9]].concat();
+    let of_threads = of_threads.iter().flatten().map(String::as_str);
+    row(&widths, first.into_iter().chain(of_threads).chain([last]))
+}
 
 /// The machine, the scene and its hierarchy, and what stands above the rows.
-pub fn heading(report: &Report) -> String {
-    let Report { machine, scene, triangles, spheres, width, height, bvh_bytes, .. } = report;
+pub fn heading(report: &Report, defaults: &RunSettings) -> String {
+    let Report { settings, scene, triangles, spheres, width, height, bvh_bytes, .. } = report;
     let built = |build: &BuildTime| {
         format!("{} ms on {}", figure(build.ms, 1), counted(build.threads, "thread", "threads"))
     };
@@ -85,37 +93,51 @@ pub fn heading(report: &Report) -> String {
         ),
         None => format!("THE HIERARCHY IS INVALID: {}", report.fault.as_deref().unwrap_or_default()),
     };
-    let names =
-        ["kind", "rays", "hits", "  traversal", "lanes", "threads", "Mray/s", "10 % to 90 %", "differ"];
+    let rate =
+        |threads: &usize| [format!("Mray/s, {}", counted(threads, "thread", "threads")), "× scalar".into()];
+    let names = cells(["traversal", "lanes"], settings.threads.iter().map(rate).collect(), "differ");
     format!(
-        "{machine}\n\
-         {scene}: {}, {}; {width}×{height} primary rays\n\
+        "{}\n\
+         {}{scene}: {}, {}; {width}×{height} primary rays\n\
          hierarchy: built in {}; {}, {:.0} bytes a primitive\n\
          {tree}\n\n{}",
+        settings.machine,
+        settings.line(defaults),
         counted(triangles, "triangle", "triangles"),
         counted(spheres, "sphere", "spheres"),
         built.join(", "),
         bytes(*bvh_bytes as u64),
         *bvh_bytes as f64 / (triangles + spheres).max(1) as f64,
-        row_of(&WIDTHS, names)
+        names
     )
 }
 
-/// The row of a kind of rays, a traversal and a number of threads.
-pub fn row(result: &Measurement) -> String {
-    let [low, high] = result.mrays_per_s_spread;
-    let cells = [
-        result.kind.name().to_owned(),
-        grouped(result.rays),
-        grouped(result.hits),
-        format!("  {}", result.traversal),
-        result.lanes.to_string(),
-        result.threads.to_string(),
-        format!("{:.2}", result.mrays_per_s),
-        format!("{low:.2} to {high:.2}"),
-        grouped(result.disagreements),
-    ];
-    row_of(&WIDTHS, cells)
+/// The rows of a kind of rays, one a traversal; scalar rays, if others are measured beside them, stand in the
+/// line above.
+pub fn rows(results: &[Measurement]) -> String {
+    let Some(first) = results.first() else { return String::new() };
+    let of_traversal = |traversal| results.iter().filter(move |result| result.traversal == traversal);
+    let rate = |result: &Measurement| {
+        let [low, high] = result.mrays_per_s_spread;
+        format!("{:.2} ({low:.2}–{high:.2})", result.mrays_per_s)
+    };
+    let (kind, rays, hits) = (first.kind.name(), grouped(first.rays), grouped(first.hits));
+    let mut text = format!("{kind}: {rays} rays, {hits} hits");
+    let has_scalar = results.iter().any(|result| result.over_scalar.is_some());
+    if has_scalar {
+        let rates: Vec<String> = of_traversal(SCALAR).map(rate).collect();
+        text += &format!("; {SCALAR} {} Mray/s", rates.join(", "));
+    }
+    text += "\n";
+    let ways = results.iter().filter(|result| result.threads == first.threads);
+    for way in ways.filter(|way| !has_scalar || way.traversal != SCALAR) {
+        let over = |of: &Measurement| of.over_scalar.map_or("–".into(), |over| times(over.median));
+        let rates = of_traversal(way.traversal).map(|of| [rate(of), over(of)]).collect();
+        let differ = of_traversal(way.traversal).map(|of| of.disagreements).max().unwrap_or(0);
+        let (name, lanes) = (format!("  {}", way.traversal), way.lanes.to_string());
+        text += &cells([&name, &lanes], rates, &grouped(differ));
+    }
+    text
 }
 
 /// Names the row whose slow passes are slowest beside its median, where they are below `BUSY` of it. Rows of
@@ -179,6 +201,7 @@ mod tests {
             hits: 0,
             mrays_per_s: 10.0,
             mrays_per_s_spread: [slow, 11.0],
+            over_scalar: None,
             passes,
             disagreements: 0,
             first_disagreement: None,

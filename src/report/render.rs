@@ -3,6 +3,7 @@
 //! For: [`Report`], [`End`].
 
 use super::numbers::figure;
+use super::settings::RunSettings;
 use crate::adaptive::MAX_BLOCK_ERROR;
 use crate::measure::stats::FrameStats;
 use crate::wording::grouped;
@@ -63,6 +64,10 @@ pub struct Report {
     pub max_bounces: u32,
     /// Of the sample values.
     pub seed: u32,
+    /// The traversal of the scene's primitives: `linear` where every one is tested.
+    pub traversal: &'static str,
+    /// How the picture was made.
+    pub settings: RunSettings,
     /// Largest radiance of a sample in each channel, with which the picture is biased. Null without a limit.
     pub clamp: Option<f32>,
     /// Wall time of tracing of this run, without loading and writing.
@@ -90,8 +95,9 @@ pub struct EstimatedError {
 }
 
 impl Report {
-    /// One line. `wanted` is the limit of samples, `begun` the share of pixels with at least one sample.
-    pub fn line(&self, wanted: u32, begun: f64) -> String {
+    /// One line. `wanted` is the limit of samples, `begun` the share of pixels with at least one sample,
+    /// `options` those that differ from the defaults.
+    pub fn line(&self, wanted: u32, begun: f64, options: &str) -> String {
         let Self { output, width, height, samples, most_samples, seconds, mrays_per_s, .. } = self;
         let had = if samples == most_samples {
             grouped(samples)
@@ -110,12 +116,14 @@ impl Report {
             Some(samples) => format!(" ({} resumed)", figure(samples, 0)),
             None => String::new(),
         };
+        let options = if options.is_empty() { String::new() } else { format!(", options: {options}") };
         let black = match begun < 1.0 {
             true => format!("; {:.0} % of the picture has had none and is black", 100.0 * (1.0 - begun)),
             false => String::new(),
         };
         format!(
-            "{output}: {shard}{width}×{height}, {had}{of_wanted} sample{plural}{mean}{resumed}, {seconds:.2} s, {rate} Mray/s{black}\n{}",
+            "{output}: {shard}{width}×{height}, {had}{of_wanted} sample{plural}{mean}{resumed}, {seconds:.2} s, {rate} Mray/s, traversal {}{options}{black}\n{}",
+            self.traversal,
             self.ending()
         )
     }

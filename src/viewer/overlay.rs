@@ -87,8 +87,7 @@ fn write(text: &mut String, input: &FrameInput, state: &State, busy: bool) -> st
     }
     let methods = &settings.methods;
     let (sphere, triangle) = (methods.sphere.name(), methods.triangle.name());
-    let traversal =
-        methods.traversal_of(scene, settings.lanes).map_or("linear", |traversal| traversal.name());
+    let traversal = methods.traversal_name(scene, settings.lanes);
     write!(text, "\nspheres {sphere}, triangles {triangle}, {traversal}")?;
     if let Some(preset) = controls.preset {
         write!(text, " ({})", PRESETS[preset].0)?;

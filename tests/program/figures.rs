@@ -20,8 +20,8 @@ fn bench_reports_every_engine_in_json() {
     let desk = Desk::new();
     let report = desk.json("bench scene.json builtin:three --frames 1 --size 16x9 --threads 1");
     assert_eq!(report["schema"], "octray-bench-1");
-    assert_keys(&report["machine"], "cpu cores target_features rustc commit");
-    assert!(number(&report["machine"]["cores"]) >= 1.0);
+    assert_keys(&report["settings"]["machine"], "cpu cores target_features rustc flags commit");
+    assert_eq!(report["reliable"], false, "of one frame");
 
     let results = list(&report["results"]);
     let engines: Vec<Value> =
@@ -45,27 +45,27 @@ fn bench_reports_every_engine_in_json() {
         assert!((number(&result["mrays_per_s"]) / mrays_per_s - 1.0).abs() < 1e-9, "{result}");
         assert!(list(&result["needs"]).contains(&json!("spheres")), "{result}");
     }
-    // The speed-up stands with the faster engines.
+    // One speed-up a scene, that of the first engine.
     for engines in results.chunks(widths.len()) {
-        let (scalar, packets) = engines.split_last().unwrap();
-        assert_eq!(json!([scalar["speedup"], scalar["scaling"]]), json!([null, null]));
-        for packet in packets {
-            assert_eq!(json!([packet["speedup"]["rounds"], packet["scaling"]]), json!([1, null]));
-            let [median, low] = [&packet["speedup"]["median"], &packet["speedup"]["spread"][0]].map(number);
-            assert!(median > 0.0 && low == median, "one round has no spread: {packet}");
-        }
+        assert!(engines.iter().all(|engine| engine["scaling"].is_null()), "{report}");
+        assert!(engines[1..].iter().all(|engine| engine["speedup"].is_null()), "{report}");
+        let speedup = &engines[0]["speedup"];
+        assert_eq!(speedup["rounds"], 1);
+        let [median, low] = [&speedup["median"], &speedup["spread"][0]].map(number);
+        assert!(median > 0.0 && low == median, "one round has no spread: {speedup}");
     }
     // No speed without its accuracy.
     let accuracy = list(&report["accuracy"]);
     assert_eq!(accuracy.len(), 2);
     assert!(accuracy.iter().all(|scene| scene["mismatched_pixels"] == 0), "{report}");
+    assert!(accuracy.iter().all(|scene| scene.get("speedup").is_none()), "{report}");
 }
 
 #[test]
 fn bench_names_the_commit_it_was_built_from() {
     let desk = Desk::new();
     let report = desk.json("bench scene.json --frames 1 --size 8x8");
-    let named = report["machine"]["commit"].as_str().unwrap();
+    let named = report["settings"]["machine"]["commit"].as_str().unwrap();
     let git = |arguments: &[&str]| {
         // Of a checkout of another user's, git says nothing otherwise: nor does it to the build.
         let mut git = Command::new("git");
@@ -151,8 +151,13 @@ fn bench_prints_a_row_a_scene_and_what_it_means() {
     assert_eq!(said.matches("\nscene.json ").count(), 2, "rates and ratios: {said}");
     let twice = desk.run("bench scene.json scene.json --frames 2 --size 8x8");
     assert_eq!(twice.matches("\nscene.json ").count(), 4, "two rows in each table: {twice}");
-    // The first line names the machine.
-    assert_fits(said.split_once('\n').unwrap().1);
+    // The first line names the machine, the last one is a summary.
+    let (table, summary) = said.trim_end().rsplit_once('\n').unwrap();
+    assert_fits(table.split_once('\n').unwrap().1);
+    let ways = format!("; {} lanes, 1 thread; ", octray::lane::NATIVE_WIDTH);
+    for words in ["octray bench: scene.json ", " fps, of too few frames: not reliable", &ways, ", commit "] {
+        assert!(summary.contains(words), "{words} is not in {summary}");
+    }
 }
 
 #[test]
@@ -169,10 +174,10 @@ fn compare_reports_in_json_and_says_for_people_that_the_pictures_agree() {
         assert_eq!(json!([result["pixels"], result["samples"]]), json!([144, 2]));
         assert_eq!(json!([result["mismatched_pixels"], result["first_mismatch"]]), json!([0, null]));
         assert_eq!(result["reference"]["mismatched_hits"], 0);
-        let spread = [0, 1].map(|end| number(&result["speedup_spread"][end]));
-        let speedup = number(&result["speedup"]);
+        let spread = [0, 1].map(|end| number(&result["speedup"]["spread"][end]));
+        let speedup = number(&result["speedup"]["median"]);
         assert!(0.0 < spread[0] && spread[0] <= speedup && speedup <= spread[1], "{result}");
-        assert!(number(&result["speedup_rounds"]) >= 1.0, "{result}");
+        assert!(number(&result["speedup"]["rounds"]) >= 1.0, "{result}");
         assert!(number(&result["reference"]["rmse"]) <= number(&result["reference"]["max_abs"]));
     }
     assert!(desk.run("compare scene.json --samples 1 --size 8x8").contains("the same, bit by bit"));

@@ -24,6 +24,7 @@ mod rays;
 mod render;
 mod report_page;
 mod scenes;
+mod settings;
 mod shards;
 mod stability;
 mod stats;

@@ -54,7 +54,10 @@ fn rays_reports_every_kind_and_way_in_json() {
     assert_eq!(report["spheres"], 0);
     assert!(whole(&report["triangles"]).abs_diff(2_000) < 40, "{report}");
     assert!(number(&report["build_ms"]) > 0.0 && whole(&report["bvh_bytes"]) > 2_000, "{report}");
-    assert!(report["machine"]["cpu"].is_string() && report["tree"]["wide_nodes"].is_u64(), "{report}");
+    assert!(
+        report["settings"]["machine"]["cpu"].is_string() && report["tree"]["wide_nodes"].is_u64(),
+        "{report}"
+    );
     assert_eq!(json!([report["fault"], report["left_out"]]), json!([null, []]));
 
     let name = |result: &Value| json!([result["kind"], result["traversal"], result["lanes"]]);
@@ -84,6 +87,10 @@ fn rays_reports_every_kind_and_way_in_json() {
         let spread = &result["mrays_per_s_spread"];
         let [rate, low, high] = [&result["mrays_per_s"], &spread[0], &spread[1]].map(number);
         assert!(0.0 < low && low <= rate && rate <= high, "{result}");
+        match result["traversal"] == "scalar" {
+            true => assert!(result["over_scalar"].is_null(), "{result}"),
+            false => assert_eq!(result["over_scalar"]["rounds"], 2, "{result}"),
+        }
     }
 }
 
@@ -126,12 +133,19 @@ fn rays_leaves_out_what_would_take_too_long_and_says_so() {
 #[test]
 fn rays_prints_a_row_a_way_and_what_it_means() {
     let desk = Desk::new();
-    let printed = desk.run("rays builtin:knot:2000 --size 16x16 --passes 1 --stats");
-    for words in ["\nprimary ", "Mray/s", "bit by bit"] {
-        assert!(printed.contains(words), "{words} is not in {printed}");
-    }
+    let told = |more: &str| desk.run(&format!("rays builtin:knot:2000 --size 16x16 --passes 1{more}"));
     // The first line names the machine.
-    assert_fits(printed.split_once('\n').unwrap().1);
+    assert_fits(told(" --stats").split_once('\n').unwrap().1);
+    let rows = |said: &str, start: &str| said.lines().filter(|line| line.starts_with(start)).count();
+    let all = told("");
+    for words in ["\nprimary: 256 rays, ", "; scalar ", "× scalar", "Mray/s", "bit by bit"] {
+        assert!(all.contains(words), "{words} is not in {all}");
+    }
+    assert_eq!(rows(&all, "  "), 5 + 4 + 4, "scalar rays stand in the line of their kind: {all}");
+    let one = told(" --traversal hybrid --threads 1");
+    assert!(one.contains(" – ") && !one.contains("; scalar "), "{one}");
+    assert_eq!(rows(&one, "  hybrid"), 3, "{one}");
+    assert_eq!(rows(&told(" --traversal scalar"), "  scalar"), 3);
 }
 
 #[test]

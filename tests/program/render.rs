@@ -10,7 +10,10 @@ fn render_writes_the_file_and_says_so_in_a_line() {
     let desk = Desk::new();
     let rendered = desk.octray("render scene.json -o a.png --samples 3").assert().success();
     rendered.stderr(contains("error").not()).stdout(
-        predicate::str::is_match(r"^a\.png: 8×8, 3 samples, \d+\.\d\d s, \d+\.\d+ Mray/s\n$").unwrap(),
+        predicate::str::is_match(
+            r"^a\.png: 8×8, 3 samples, \d+\.\d\d s, \d+\.\d+ Mray/s, traversal linear\n$",
+        )
+        .unwrap(),
     );
     assert_eq!(desk.names(), ["a.png", "model.obj", "scene.json"]);
     desk.run("render scene.json -o a.png --samples 1 --size 5×4");
@@ -62,7 +65,7 @@ fn render_reports_in_json_what_it_did() {
     for key in ["time_limit", "target_error", "estimated_error"] {
         assert!(report[key].is_null(), "{key}");
     }
-    assert_eq!(report.as_object().unwrap().len(), 20);
+    assert_eq!(report.as_object().unwrap().len(), 22);
 }
 
 #[test]

@@ -69,7 +69,7 @@ pub fn assert_stands_alone(page: &str, report: &Value, scene: &str) {
     for word in ["relMSE", "trimmed", "FLIP", "FXAA", "dominated", "p99"] {
         assert!(page.contains(&format!("<td>{word}</td>")), "{word} is explained");
     }
-    let commit = report["machine"]["commit"].as_str().unwrap();
+    let commit = report["settings"]["machine"]["commit"].as_str().unwrap();
     assert!(page.contains(commit) && page.contains(r#"name="viewport""#));
 }
 

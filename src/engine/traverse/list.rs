@@ -209,8 +209,8 @@ impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
 }
 
 /// Finds the nearest of the triangles that each ray hits; `after_spheres`, keeps what it has hit before where
-/// no triangle is strictly nearer. An iterator and no closure gives the triangles: a test is so much code that
-/// a closure with it would not be inlined into the loop (4 % more instructions in boxes).
+/// no triangle is strictly nearer. An iterator and no closure gives the triangles: a test is so much code
+/// that a closure with it would not be inlined into the loop (4 % more instructions in boxes).
 ///
 /// Shapes: packets of `WIDTH` rays; one triangle, or two that share an edge, at a time is broadcast to all
 /// lanes.

@@ -128,7 +128,7 @@ impl Methods {
     /// The traversal of a scene's hierarchy at a width of 1, or of 8 and more; `None` where every primitive
     /// is tested.
     pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {
-        if self.sphere != SphereChoice::Robust || self.triangle != TriangleChoice::Woop {
+        if self.without_hierarchy().is_some() {
             return None;
         }
         let default = if lanes == 1 { Traversal::Scalar } else { Traversal::Hybrid };
@@ -137,6 +137,18 @@ impl Methods {
             TraversalChoice::Needed => features_of(scene).contains(Features::HIERARCHY).then_some(default),
             TraversalChoice::Through(_) if lanes == 1 => Some(default),
             TraversalChoice::Through(traversal) => Some(traversal),
+        }
+    }
+    /// The name of [`Methods::traversal_of`]: `linear` where every primitive is tested.
+    pub fn traversal_name(&self, scene: &Scene, lanes: usize) -> &'static str {
+        self.traversal_of(scene, lanes).map_or(TraversalChoice::Linear, TraversalChoice::Through).name()
+    }
+    /// The first method that has no hierarchy, so that every primitive is tested: its option and its name.
+    pub fn without_hierarchy(&self) -> Option<(&'static str, &'static str)> {
+        match (self.sphere, self.triangle) {
+            (SphereChoice::Naive, _) => Some(("--sphere", self.sphere.name())),
+            (_, TriangleChoice::MollerTrumbore) => Some(("--triangle", self.triangle.name())),
+            (SphereChoice::Robust, TriangleChoice::Woop) => None,
         }
     }
     /// Do these methods claim hits only within rounding error of the primitive? The others do not: from a

@@ -60,14 +60,16 @@ pub struct Measurement {
     pub mrays_per_s: f64,
     /// Mean over the frames, of all kinds of rays.
     pub rays_per_frame: f64,
-    /// Speed over that of the scalar engine on as many threads; `None` for that engine and where it is not
-    /// timed.
+    /// The speed-up: speed over that of the scalar engine on as many threads. Of the first engine only;
+    /// `None` where scalar is not timed.
     pub speedup: Option<Ratio>,
     /// Speed over that of the first engine of the same width, which has fewer threads; `None` for that
     /// engine.
     pub scaling: Option<Ratio>,
     /// Names of the features that the scene uses.
     pub needs: Vec<&'static str>,
+    /// The traversal of the scene's primitives: `linear` where every one is tested.
+    pub traversal: &'static str,
     /// `needed` (the smallest that has the scene's features) or `general`.
     pub pipeline: &'static str,
     /// Speed over that of the general pipeline at the same width and threads. Of the first engine only;
@@ -168,6 +170,7 @@ fn measurement(
     let settings = renderer.settings();
     let Settings { lanes, threads, .. } = *settings;
     let rays_per_frame = film.rays() as f64 / f64::from(film.samples());
+    let is_first = runs.first().is_some_and(|first| std::ptr::eq(first, run));
     let over = |wanted: &dyn Fn(&Settings) -> bool| {
         let other = runs.iter().find(|other| wanted(other.renderer.settings()));
         other.and_then(|other| Ratio::of(run, other))
@@ -186,13 +189,11 @@ fn measurement(
         fps_spread: [1.0 / times.at(0.9), 1.0 / times.at(0.1)],
         mrays_per_s: rays_per_frame / times.median() / 1e6,
         rays_per_frame,
-        speedup: over(&|other| lanes != 1 && (other.lanes, other.threads) == (1, threads)),
+        speedup: over(&|other| is_first && lanes != 1 && (other.lanes, other.threads) == (1, threads)),
         scaling: over(&|other| other.lanes == lanes && other.threads < threads),
         needs: renderer.needs().names(),
-        pipeline: match settings.pipeline {
-            PipelineChoice::Needed => "needed",
-            PipelineChoice::General => "general",
-        },
+        traversal: settings.methods.traversal_name(scene, lanes),
+        pipeline: settings.pipeline.name(),
         over_general: general.and_then(|general| Ratio::of(run, general)),
         stats,
     }

@@ -33,12 +33,11 @@ pub struct Comparison {
     pub first_mismatch: Option<Mismatch>,
     /// Samples of all widths that are not finite and so discarded. 0 expected.
     pub discarded_samples: u64,
-    /// Speed of the first width over that of scalar on the same threads: median of the rounds.
-    pub speedup: f64,
-    /// The 10th and the 90th percentile of the rounds.
-    pub speedup_spread: [f64; 2],
-    /// Rounds behind the median.
-    pub speedup_rounds: usize,
+    /// Speed of the first width over that of scalar on the same threads, if it was timed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speedup: Option<Ratio>,
+    /// The traversal of the first width: `linear` where every primitive is tested.
+    pub traversal: &'static str,
     /// The first width against the f64 reference.
     pub reference: ReferenceCheck,
 }
@@ -99,9 +98,9 @@ const MOST_TESTS: usize = 2_000_000_000;
 const MOST_SAMPLES: u32 = 16;
 
 /// Renders `samples` samples with the scalar renderer and with packets of every width, and compares the
-/// pictures with each other and with the reference. `settings` holds for all but lanes: the default
-/// width is timed beside scalar.
-pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
+/// pictures with each other and with the reference. `settings` holds for all but lanes. With `timed`, the
+/// default width is timed beside scalar.
+pub fn compare(scene: &Scene, settings: Settings, samples: u32, timed: bool) -> Comparison {
     let of = |lanes| Settings { lanes, ..settings };
     let default = LaneChoice::Auto.lanes();
     let [mut simd, mut scalar] =
@@ -132,7 +131,7 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
         differ.extend(found);
         discarded_samples += film.discarded();
     }
-    if took < ENOUGH || took / samples < TURN {
+    if timed && (took < ENOUGH || took / samples < TURN) {
         // Longer turns, in place of those before.
         simd.clear_times();
         scalar.clear_times();
@@ -141,7 +140,6 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
             scalar.turn(usize::MAX, TURN);
         }
     }
-    let speedup = Ratio::of(&simd, &scalar).expect("there was a sample, so there was a round");
     // The reference has no next event estimation, so it can only follow paths without.
     let share = Share::of(scene, &settings, samples);
     let methods = Methods { lights: LightChoice::Off, ..settings.methods };
@@ -154,9 +152,8 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32) -> Comparison {
         mismatched_pixels: differ.len(),
         first_mismatch,
         discarded_samples,
-        speedup: speedup.median,
-        speedup_spread: speedup.spread,
-        speedup_rounds: speedup.rounds,
+        speedup: if timed { Ratio::of(&simd, &scalar) } else { None },
+        traversal: settings.methods.traversal_name(scene, default),
         reference: check_against_reference(scene, &simd.renderer, &to_check, share),
     }
 }
@@ -248,7 +245,7 @@ mod tests {
     #[test]
     fn comparison_fails_for_pixels_samples_and_hits_but_not_for_naive_hits() {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
-        let good = compare(&scene, Settings { resolution: [8, 8], ..Settings::of(&scene) }, 1);
+        let good = compare(&scene, Settings { resolution: [8, 8], ..Settings::of(&scene) }, 1, false);
         let (default, naive) =
             (Methods::default(), Methods { sphere: SphereChoice::Naive, ..Methods::default() });
         assert!(!good.failed(default));

@@ -8,6 +8,7 @@
 use super::quantiles::{Quantiles, Rounds};
 use super::ray_sets::{Answer, Answers, Kind, Prepared, RaySet, pixels};
 use super::stats::{RayStats, TestStats};
+use super::timed::Ratio;
 use super::trace::{PreparedScene, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
@@ -110,6 +111,9 @@ pub struct Measurement {
     pub mrays_per_s: f64,
     /// 90 % and 10 % of the passes are at least this fast: the spread.
     pub mrays_per_s_spread: [f64; 2],
+    /// Speed over that of the scalar traversal on as many threads: of the passes. `None` for that traversal,
+    /// and where it is not measured.
+    pub over_scalar: Option<Ratio>,
     /// Passes behind the median.
     pub passes: usize,
     /// Rays whose answer differs from the baseline's, in the pass with most of them: in any bit of the
@@ -210,7 +214,7 @@ pub fn measure(
             run.seconds.push(seconds);
         }
     }
-    runs.into_iter().map(|run| measurement(set, run)).collect()
+    runs.iter().map(|run| measurement(set, run, &runs)).collect()
 }
 
 /// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed: the
@@ -226,10 +230,12 @@ pub fn count(prepared_scene: &PreparedScene, rays: &Prepared, methods: &[TraceMe
     methods.map(count).collect()
 }
 
-fn measurement(set: &RaySet, run: Run) -> Measurement {
-    let times = Quantiles::of(run.seconds);
+fn measurement(set: &RaySet, run: &Run, runs: &[Run]) -> Measurement {
+    let times = Quantiles::of(run.seconds.clone());
     // Without rays the time may be 0.
     let [fast, slow] = times.spread();
+    let is_scalar = |other: &&Run| other.method == BASELINE && std::ptr::eq(other.pool, run.pool);
+    let scalar = runs.iter().find(is_scalar).filter(|_| run.method != BASELINE && !set.is_empty());
     let rate = |seconds: f64| if set.is_empty() { 0.0 } else { set.len() as f64 / seconds / 1e6 };
     Measurement {
         kind: set.kind,
@@ -240,9 +246,10 @@ fn measurement(set: &RaySet, run: Run) -> Measurement {
         hits: run.hits,
         mrays_per_s: rate(times.median()),
         mrays_per_s_spread: [rate(slow), rate(fast)],
+        over_scalar: scalar.and_then(|scalar| Ratio::of_rounds(&run.seconds, &scalar.seconds)),
         passes: times.count(),
         disagreements: run.disagreements,
-        first_disagreement: run.first,
+        first_disagreement: run.first.clone(),
     }
 }
 

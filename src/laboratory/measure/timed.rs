@@ -89,7 +89,8 @@ impl Ratio {
         Self::of_rounds(&fast.turns, &slow.turns)
     }
 
-    fn of_rounds(fast: &[f64], slow: &[f64]) -> Option<Self> {
+    /// The same of two lists of times, a time a round.
+    pub(crate) fn of_rounds(fast: &[f64], slow: &[f64]) -> Option<Self> {
         let ratios: Vec<f64> = fast.iter().zip(slow).map(|(fast, slow)| slow / fast).collect();
         (!ratios.is_empty()).then(|| {
             let (rounds, ratios) = (ratios.len(), Quantiles::of(ratios));

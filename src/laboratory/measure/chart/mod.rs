@@ -28,6 +28,8 @@ pub struct SceneChart {
     pub size: [u32; 2],
     /// Pixels of everything else: [`SHRINK`] times `size`.
     pub frame_size: [u32; 2],
+    /// Most scattering events of a path.
+    pub max_bounces: u32,
     /// The ground truth of all but `motion`, which has its own.
     pub truth: GroundTruthInfo,
     /// Seconds of one sample of the default in `pictures`: the unit of times that charts of two machines
@@ -119,6 +121,7 @@ impl Plan {
             scene: scene.name.clone(),
             size: self.size,
             frame_size: self.size.map(|side| side * SHRINK),
+            max_bounces: self.max_bounces,
             truth: ground_truth.info,
             default_sample_s: pictures::sample_time(&pictures[0]),
             pictures,

@@ -1,0 +1,192 @@
+//! How a run's figures are made: the settings, the machine and the build. A part of every JSON report, and a
+//! line of text.
+//!
+//! For: [`RunSettings`], [`traversals`], [`own_size`], [`own_sizes`].
+
+use super::text::paragraph;
+use crate::buffers::LightChoice;
+use crate::machine::Machine;
+use crate::render::{PipelineChoice, Settings};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::wording::counted;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// What a run was asked for. Keys are the names of options.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunSettings {
+    /// Ray-sphere intersection method.
+    pub sphere: SphereChoice,
+    /// Ray-triangle intersection method.
+    pub triangle: TriangleChoice,
+    /// As asked for; the results have the traversal that was used.
+    pub traversal: TraversalChoice,
+    /// Which lights are sampled.
+    pub lights: LightChoice,
+    /// Source of random numbers.
+    pub sampler: Sampler,
+    /// Features that the pipeline is compiled for.
+    pub pipeline: PipelineChoice,
+    /// Of the random numbers.
+    pub seed: u32,
+    /// Every width that is measured.
+    pub lanes: Vec<usize>,
+    /// Every number of threads that is measured.
+    pub threads: Vec<usize>,
+    /// Pixels; absent where each scene has its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[u32; 2]>,
+    /// Most scattering events of a path; absent where each scene has its own, and where there are no paths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounces: Option<u32>,
+    /// The command's own options, where they are given.
+    #[serde(flatten)]
+    pub more: Map<String, Value>,
+    /// The machine and the build.
+    pub machine: Machine,
+}
+
+impl RunSettings {
+    /// Of these methods; all else is a default, or empty.
+    pub fn of(methods: Methods) -> Self {
+        Self {
+            sphere: methods.sphere,
+            triangle: methods.triangle,
+            traversal: methods.traversal,
+            lights: methods.lights,
+            sampler: methods.sampler,
+            pipeline: PipelineChoice::default(),
+            seed: 0,
+            lanes: Vec::new(),
+            threads: Vec::new(),
+            size: None,
+            bounces: None,
+            more: Map::new(),
+            machine: Machine::current(),
+        }
+    }
+
+    /// Of a picture.
+    pub fn of_picture(settings: &Settings) -> Self {
+        let Settings { resolution, max_bounces, seed, methods, lanes, threads, pipeline, clamp, .. } =
+            *settings;
+        let run = Self {
+            pipeline,
+            seed,
+            lanes: vec![lanes],
+            threads: vec![threads],
+            size: Some(resolution),
+            bounces: Some(max_bounces),
+            ..Self::of(methods)
+        };
+        run.with("clamp", Some(clamp).filter(|clamp| clamp.is_finite()))
+    }
+
+    /// With an option of the command's own, if it is given.
+    pub fn with(mut self, option: &str, value: Option<impl Serialize>) -> Self {
+        self.more.extend(value.map(|value| (option.to_owned(), json(&value))));
+        self
+    }
+
+    /// Size and bounces: these, or with `as_scene` each scene's own.
+    pub fn sized(self, size: [u32; 2], bounces: u32, as_scene: bool) -> Self {
+        match as_scene {
+            true => self.with("as-scene", Some(true)),
+            false => Self { size: Some(size), bounces: Some(bounces), ..self },
+        }
+    }
+
+    /// The options that make these settings of the others, as on the command line; empty where none differs.
+    pub fn options(&self, others: &Self) -> String {
+        let others = json(others);
+        let differ = |(key, value): (&String, &Value)| {
+            let differs = key != "machine" && others.get(key) != Some(value);
+            differs.then(|| match value {
+                Value::Bool(true) => format!("--{key}"),
+                value => format!("--{key} {}", word(value, if key == "size" { "x" } else { "," })),
+            })
+        };
+        let own = json(self);
+        let options: Vec<String> = own.as_object().into_iter().flatten().filter_map(differ).collect();
+        options.join(" ")
+    }
+
+    /// A line of the options that differ from the command's `defaults`.
+    pub fn line(&self, defaults: &Self) -> String {
+        match self.options(defaults).as_str() {
+            "" => "options: the defaults\n".into(),
+            options => format!("options: {options}\n"),
+        }
+    }
+}
+
+/// Through text: an f32 in a `Value` would have the digits of an f64.
+fn json(value: &impl Serialize) -> Value {
+    let text = serde_json::to_string(value).expect("settings are JSON");
+    serde_json::from_str(&text).expect("it was just written")
+}
+
+fn word(value: &Value, between: &str) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Array(list) => list.iter().map(Value::to_string).collect::<Vec<_>>().join(between),
+        other => other.to_string(),
+    }
+}
+
+/// The traversal of each scene, in words: `scenes` are names and traversals.
+pub fn traversals<'a>(scenes: impl Iterator<Item = (&'a str, &'static str)>) -> String {
+    let mut of_traversal = BTreeMap::<_, Vec<_>>::new();
+    scenes.for_each(|(scene, traversal)| of_traversal.entry(traversal).or_default().push(scene));
+    let only = of_traversal.len() == 1;
+    let words = of_traversal.iter().map(|(&traversal, scenes)| {
+        let about =
+            if traversal == TraversalChoice::Linear.name() { " (every primitive is tested)" } else { "" };
+        let scenes = if only && scenes.len() > 1 { "all scenes".into() } else { scenes.join(", ") };
+        format!("{traversal}{about} in {scenes}")
+    });
+    paragraph(&format!("Traversal: {}.", words.collect::<Vec<_>>().join("; ")))
+}
+
+/// A scene's own size and bounces, where they are not those that are measured.
+pub fn own_size(scene: &Scene, measured: &Settings) -> Option<String> {
+    let ([width, height], bounces) = (scene.resolution, scene.max_bounces);
+    let differs = (measured.resolution, measured.max_bounces) != (scene.resolution, bounces);
+    differs
+        .then(|| format!("{} has {width}×{height} and {}", scene.name, counted(bounces, "bounce", "bounces")))
+}
+
+/// One line of what [`own_size`] finds; nothing where every scene is measured as it says.
+pub fn own_sizes(own: &[String]) -> String {
+    let Some((first, others)) = own.split_first() else { return String::new() };
+    let others =
+        if others.is_empty() { String::new() } else { format!(" (and {} more differ)", others.len()) };
+    format!("Not the scene's own size and bounces: {first}{others}; --as-scene takes them.\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load;
+
+    #[test]
+    fn options_are_those_that_differ_and_json_keeps_all() {
+        let scene = load("builtin:three").unwrap();
+        let default = RunSettings::of_picture(&Settings::of(&scene));
+        assert_eq!(default.line(&default), "options: the defaults\n");
+        let methods = Methods { sphere: SphereChoice::Naive, ..Methods::default() };
+        let settings = Settings { methods, resolution: [4, 3], clamp: 0.1, ..Settings::of(&scene) };
+        let other =
+            RunSettings { threads: vec![1, 2], ..RunSettings::of_picture(&settings) }.with("frames", Some(9));
+        let options = "--clamp 0.1 --frames 9 --size 4x3 --sphere naive --threads 1,2";
+        assert_eq!(other.options(&default), options);
+        let text = serde_json::to_string(&other).unwrap();
+        assert_eq!(serde_json::from_str::<RunSettings>(&text).unwrap(), other);
+        let own = RunSettings { size: None, bounces: None, ..default.clone() };
+        assert_eq!(own.clone().sized([9, 9], 1, true).options(&default), "--as-scene");
+        assert_eq!(own.sized([9, 9], 1, false).options(&default), "--bounces 1 --size 9x9");
+    }
+}

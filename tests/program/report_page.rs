@@ -51,8 +51,8 @@ pub fn assert_stands_alone(page: &str, report: &Value, scene: &str) {
     for outside in ["src=", "href=", "url(", "<script", "@import", "<link"] {
         assert!(!page.contains(outside), "{outside}");
     }
-    let drawings = "three measures, frames, display and motion; three families of methods";
-    assert_eq!(page.matches("<svg ").count(), 6 + 3, "{drawings}");
+    let drawings = "three measures, frames, display and motion; methods for spheres and for boxes";
+    assert_eq!(page.matches("<svg ").count(), 6 + 2, "{drawings}");
     let scene = load(scene).unwrap();
     for one in of_scene(&scene, Settings::of(&scene)) {
         assert!(page.contains(one.name), "{}", one.name);

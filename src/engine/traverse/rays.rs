@@ -2,7 +2,7 @@
 
 use super::prepared::SingleRay;
 use crate::kernel::ray_box::Padding;
-use crate::lane::{Bits, Lane};
+use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use std::ops::Range;
 
@@ -86,9 +86,11 @@ impl<'a> Rays<'a> {
     pub(super) fn begin_at(&self, point: [f32; 3]) -> bool {
         match &self.origin {
             Origin::Common(origin) => origin.to_array() == point,
-            Origin::Each(columns) => {
-                columns.iter().zip(point).all(|(column, x)| column[..self.count].iter().all(|&o| o == x))
-            }
+            Origin::Each(columns) => columns.iter().zip(point).all(|(column, x)| {
+                let (packets, rest) = column[..self.count].as_chunks::<{ F32x8::WIDTH }>();
+                let same = |all, packet: &[f32; 8]| all & F32x8::load(packet).eq(F32x8::splat(x));
+                packets.iter().fold(Mask8::splat(true), same).all() && rest.iter().all(|&o| o == x)
+            }),
         }
     }
     /// One ray, prepared.

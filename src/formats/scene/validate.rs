@@ -198,6 +198,10 @@ impl<'a> Loader<'a> {
     }
 
     fn add_mesh(&mut self, file: &'a MeshFile, place: &JsonPath) -> Result<(), SceneError> {
+        // Refused already: no copy is made.
+        if self.copies > MAX_COPIES {
+            return Ok(());
+        }
         let translate = file.translate.unwrap_or_default();
         place.key("translate").vec3(translate)?;
         let rotate = file.rotate_degrees.unwrap_or_default();

@@ -220,7 +220,7 @@ fn pictures_that_are_dark_or_white_on_purpose_have_no_warning() {
 #[test]
 fn warnings_are_the_same_for_any_number_of_threads() {
     let desk = Desk::new();
-    desk.write("scene.json", &balls(FRONT, 1.0, HOLLOW));
+    desk.write("scene.json", balls(FRONT, 1.0, HOLLOW));
     let told = |threads, lanes| {
         let line = format!("render scene.json -o a.png --samples 2 --threads {threads} --lanes {lanes}");
         desk.octray(&line).assert().success().get_output().stderr.clone()

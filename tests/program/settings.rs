@@ -116,7 +116,7 @@ fn baseline_gives_ratios_and_refuses_what_cannot_be_compared() {
         }
     }
     old["settings"]["machine"]["cpu"] = json!("another");
-    desk.write("old.json", &old.to_string());
+    desk.write("old.json", old.to_string());
     let with = format!("{line} --baseline old.json");
     let new = desk.json(&with);
     let (ratios, results) = (new["over_baseline"].as_array().unwrap(), new["results"].as_array().unwrap());
@@ -137,7 +137,7 @@ fn baseline_gives_ratios_and_refuses_what_cannot_be_compared() {
     refused("--sphere naive", &["--sphere robust, here --sphere naive"]);
     refused("builtin:three", &["not measured this `builtin:three`", "scene.json"]);
     refused("--threads 5", &["none of the widths and threads"]);
-    desk.write("scene.json", &SCENE.replace("\"radius\": 1", "\"radius\": 2"));
+    desk.write("scene.json", SCENE.replace("\"radius\": 1", "\"radius\": 2"));
     refused("", &["not measured this `scene.json`"]);
     desk.write("old.json", "{}");
     refused("", &["no report of bench", "octray bench --json"]);

@@ -31,7 +31,7 @@ pub struct Occluders {
 impl Occluders {
     /// Those of a scene, which may have a `hierarchy`; `None` if every primitive may occlude a light.
     ///
-    /// Found only where testing all would be fast, up to [`MAX_COST`], which bounds the time for it, too. Not
+    /// Found only where testing all would be fast, up to [`MAX_LIST_COST`], which bounds the time for it, too. Not
     /// where the sky is a light, which lies behind all walls, nor with vertex normals, where rays start above
     /// the triangles.
     pub fn of(scene: &Scene, lights: &Lights, hierarchy: Option<(&Hierarchy, Traversal)>) -> Option<Self> {

@@ -31,9 +31,9 @@ pub struct Occluders {
 impl Occluders {
     /// Those of a scene, which may have a `hierarchy`; `None` if every primitive may occlude a light.
     ///
-    /// Found only where testing all would be fast, up to [`MAX_LIST_COST`], which bounds the time for it, too.
-    /// Not where the sky is a light, which lies behind all walls, nor with vertex normals, where rays start
-    /// above the triangles.
+    /// Found only where testing all would be fast, up to [`MAX_LIST_COST`], which bounds the time for it,
+    /// too. Not where the sky is a light, which lies behind all walls, nor with vertex normals, where rays
+    /// start above the triangles.
     pub fn of(scene: &Scene, lights: &Lights, hierarchy: Option<(&Hierarchy, Traversal)>) -> Option<Self> {
         let has_normals = !scene.normals.is_empty();
         if lights.is_empty() || lights.sky.is_some() || has_normals || list_cost(scene) > MAX_LIST_COST {

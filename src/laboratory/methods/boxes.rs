@@ -6,7 +6,7 @@
 //! interval, because they return their second argument where the first is NaN: the ray counts as between
 //! these planes, on either side of the face.
 
-use crate::kernel::ray_box::{BoxRay, Padding};
+use crate::kernel::ray_box::{BoxRay, Padding, in_order};
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 
@@ -46,17 +46,6 @@ impl BoxMethod for Padded {
     fn pass<L: Lane>(box_ray: &BoxRay<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
         box_ray.pass(lo, hi)
     }
-}
-
-/// The planes of a box in the order in which a ray meets them, by the sign of 1 / direction.
-#[inline(always)]
-fn in_order<L: Lane>(inverse: Vec3<L>, lo: Vec3<L>, hi: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
-    let backwards = |inverse: L| inverse.lt(L::zero());
-    let [x, y, z] = [inverse.x, inverse.y, inverse.z].map(backwards);
-    let pick = |a: Vec3<L>, b: Vec3<L>| {
-        Vec3::new(L::select(x, b.x, a.x), L::select(y, b.y, a.y), L::select(z, b.z, a.z))
-    };
-    (pick(lo, hi), pick(hi, lo))
 }
 
 /// Origin and 1 / direction.

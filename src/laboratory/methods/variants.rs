@@ -1,8 +1,8 @@
 //! The engine's methods changed in one point, as other programs have them.
 
 use crate::kernel::ray_sphere::{QuadraticEquation, SphereMethod};
-use crate::kernel::ray_triangle::{Edges, MollerTrumbore, TriangleHit, TriangleMethod};
-use crate::lane::{Bits, Lane};
+use crate::kernel::ray_triangle::{Edges, MollerTrumbore, TriangleHit, TriangleMethod, Woop, WoopRay};
+use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 
 /// [`Robust`](crate::kernel::ray_sphere::Robust) for directions of any length between 1e-15 and 1e15, at the
@@ -75,58 +75,35 @@ impl TriangleMethod for MollerTrumboreEpsilon {
     }
 }
 
-/// [`Woop`](crate::kernel::ray_triangle::Woop) with FMA in its edge functions, as a contracting compiler
+/// [`Woop`] with FMA in its edge functions, as a contracting compiler
 /// would make it.
 ///
 /// Error: leaks 0.5 % of the rays aimed at edges (none on a target without FMA).
 pub struct WoopContracted;
 
-/// The space in which the ray is the z axis: the axis that becomes z, and x, y and z of the direction in the
-/// new order, the first two per z.
-#[derive(Clone, Copy)]
-pub struct RaySpace<L: Lane> {
-    origin: Vec3<L>,
-    z_axis: L::Bits,
-    shear: Vec3<L>,
-}
-
-/// The components in cyclic order, from the one behind `z_axis` on.
-#[inline(always)]
-fn in_order<L: Lane>(z_axis: L::Bits, v: Vec3<L>) -> Vec3<L> {
-    let is = |axis: u32| z_axis.equals(L::Bits::splat(axis));
-    let pick = |x: L, y: L, z: L| L::select(is(0), x, L::select(is(1), y, z));
-    Vec3::new(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z))
-}
-
 impl TriangleMethod for WoopContracted {
     type Stored = [glam::Vec3; 3];
-    type Prepared<L: Lane> = RaySpace<L>;
+    type Prepared<L: Lane> = WoopRay<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> [glam::Vec3; 3] {
         vertices
     }
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> RaySpace<L> {
-        let (x, y, z) = (ray.direction.x.abs(), ray.direction.y.abs(), ray.direction.z.abs());
-        let axis = |axis: u32| L::Bits::splat(axis);
-        let of_yz = L::Bits::select(y.lt(z), axis(2), axis(1));
-        let z_axis = L::Bits::select(x.lt(y.max(z)), of_yz, axis(0));
-        let direction = in_order(z_axis, ray.direction);
-        let per_z = L::one() / direction.z;
-        let shear = Vec3::new(direction.x * per_z, direction.y * per_z, per_z);
-        RaySpace { origin: ray.origin, z_axis, shear }
+    fn prepare<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
+        Woop::prepare(ray)
     }
     #[inline(always)]
-    fn test<L: Lane>(ray: &RaySpace<L>, vertices: &[glam::Vec3; 3], limit: L) -> TriangleHit<L> {
-        let [a, b, c] = vertices.map(|vertex| in_order(ray.z_axis, Vec3::splat(vertex) - ray.origin));
-        let sheared = |v: Vec3<L>| (ray.shear.x.neg_mul_add(v.z, v.x), ray.shear.y.neg_mul_add(v.z, v.y));
+    fn test<L: Lane>(ray: &WoopRay<L>, vertices: &[glam::Vec3; 3], limit: L) -> TriangleHit<L> {
+        let (_, origin, shear) = ray.into_parts();
+        let [a, b, c] = vertices.map(|vertex| origin - ray.in_order(Vec3::splat(vertex)));
+        let sheared = |v: Vec3<L>| (shear.x.mul_add(v.z, -v.x), shear.y.mul_add(v.z, -v.y));
         let (pa, pb, pc) = (sheared(a), sheared(b), sheared(c));
         let edge = |p: (L, L), q: (L, L)| p.1.neg_mul_add(q.0, p.0 * q.1);
         let (u, v, w) = (edge(pc, pb), edge(pa, pc), edge(pb, pa));
         let (least, most) = (u.min(v).min(w), u.max(v).max(w));
         let inside = L::zero().le(least) | most.le(L::zero());
         let inverse = L::one() / (u + v + w);
-        let t = u.mul_add(a.z, v.mul_add(b.z, w * c.z)) * ray.shear.z * inverse;
+        let t = u.mul_add(a.z, v.mul_add(b.z, w * c.z)) * shear.z * inverse;
         let mask = inside & L::zero().lt(t) & t.lt(limit) & t.lt(L::splat(f32::INFINITY));
         TriangleHit { mask, t, u: v * inverse, v: w * inverse }
     }

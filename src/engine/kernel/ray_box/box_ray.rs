@@ -69,7 +69,7 @@ impl<L: Lane> BoxRay<L> {
 
 /// The planes of a box in the order in which a ray meets them, by the sign of 1 / direction.
 #[inline(always)]
-fn in_order<L: Lane>(inverse: Vec3<L>, lo: Vec3<L>, hi: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
+pub fn in_order<L: Lane>(inverse: Vec3<L>, lo: Vec3<L>, hi: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
     let backwards = |inverse: L| inverse.lt(L::zero());
     let [x, y, z] = [inverse.x, inverse.y, inverse.z].map(backwards);
     let pick = |a: Vec3<L>, b: Vec3<L>| {

@@ -15,5 +15,5 @@
 mod box_ray;
 mod padding;
 
-pub use box_ray::{BoxRay, own_box};
+pub use box_ray::{BoxRay, in_order, own_box};
 pub use padding::{Padding, sphere_padding};

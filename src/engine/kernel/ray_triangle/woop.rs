@@ -78,6 +78,16 @@ impl<L: Lane> WoopRay<L> {
         Self { z_axis, origin: order(ray.origin), shear }
     }
 
+    /// A point in the ray's order of axes.
+    #[inline(always)]
+    pub fn in_order(&self, point: Vec3<L>) -> Vec3<L> {
+        let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
+        let (x, y) = (is(0), is(1));
+        let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
+        let Vec3 { x, y, z } = point;
+        Vec3::new(pick(y, z, x), pick(z, x, y), pick(x, y, z))
+    }
+
     /// A vertex in the ray's order of axes.
     #[inline(always)]
     fn vertex(&self, row: &[f32; 8]) -> Vec3<L> {
@@ -222,13 +232,8 @@ impl<L: Lane> WoopRay<L> {
     /// Each ray against the triangle of its lane, given by its vertices.
     #[inline(always)]
     pub fn test_each(&self, [a, b, c]: [Vec3<L>; 3]) -> Option<TriangleHit<L>> {
-        let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
-        let (x, y) = (is(0), is(1));
-        let vertex = |v: Vec3<L>| {
-            let pick = |of_x: L, of_y: L, of_z: L| L::select(x, of_x, L::select(y, of_y, of_z));
-            Vec3::new(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z))
-        };
-        crossing((self.origin, self.shear), [vertex(a), vertex(b), vertex(c)]).hit(self.shear)
+        let vertices = [self.in_order(a), self.in_order(b), self.in_order(c)];
+        crossing((self.origin, self.shear), vertices).hit(self.shear)
     }
 
     /// A packet whose rays all have the z axis `axis` against one triangle of a block.

@@ -24,7 +24,7 @@ pub use octray::traverse::{Traversal, hierarchy::Hierarchy};
 
 // The numbers and rays of `octray stability`.
 pub use octray::measure::stability::Rng;
-pub use octray::measure::stability::rays::{packet, ray};
+pub use octray::measure::stability::rays::ray;
 
 /// Nothing under a white sky, seen from (0, 0, 5) along −z.
 pub fn empty() -> Scene {

@@ -124,7 +124,7 @@ fn packets_agree_with_single_rays_in_every_bit() {
                 math::Vec3::new(axis(0), axis(1), axis(2))
             };
             let corners = (column(|cuboid| cuboid.lo), column(|cuboid| cuboid.hi));
-            let slabs = BoxRay::new(&packet::<L>(&rays), padding);
+            let slabs = BoxRay::new(&Ray::<L>::from_lanes(&rays), padding);
             let (near, far) = slabs.pass(corners.0, corners.1);
             let (claimed, limit) = (scale as f32, 2.0 * scale as f32);
             let mask = L::Mask::splat(true);
@@ -197,7 +197,7 @@ fn every_method_gives_packets_the_bits_of_single_rays() {
             let cuboid = Cuboid::random(&mut rng, scale);
             let rays: [Ray<f32>; 16] = std::array::from_fn(|_| aimed(&mut rng, &cuboid, scale));
             let padding = Padding::new(cuboid.extent());
-            let packet = B::prepare(&packet::<L>(&rays), padding);
+            let packet = B::prepare(&Ray::<L>::from_lanes(&rays), padding);
             let (near, far) = B::pass(&packet, corner(cuboid.lo), corner(cuboid.hi));
             for (lane, ray) in rays.iter().enumerate().take(L::WIDTH) {
                 let single = B::pass(&B::prepare(ray, padding), corner(cuboid.lo), corner(cuboid.hi));

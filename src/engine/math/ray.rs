@@ -16,6 +16,18 @@ pub struct Ray<L> {
 }
 
 impl<L: Lane> Ray<L> {
+    /// A packet from rays, one a lane.
+    #[inline]
+    pub fn from_lanes(rays: &[Ray<f32>]) -> Self {
+        let lanes = |of: fn(&Ray<f32>) -> Vec3<f32>| {
+            Vec3::new(
+                L::from_fn(|i| of(&rays[i]).x),
+                L::from_fn(|i| of(&rays[i]).y),
+                L::from_fn(|i| of(&rays[i]).z),
+            )
+        };
+        Self { origin: lanes(|ray| ray.origin), direction: lanes(|ray| ray.direction) }
+    }
     /// The point at `t`.
     #[inline(always)]
     pub fn at(&self, t: L) -> Vec3<L> {

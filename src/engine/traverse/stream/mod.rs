@@ -24,7 +24,7 @@ use crate::bvh::{Child, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::lane::compaction::{CHUNK, compress_where};
 use crate::lane::{Bits, F32x8, Lane, set_bits};
-use crate::math::{Ray, Vec3};
+use crate::math::Ray;
 use boxes::pass_boxes;
 use hit_batch::HitBatch;
 pub use listed::BATCH;
@@ -134,13 +134,8 @@ impl Stream {
             // An incomplete last packet is filled with its first ray.
             let rest = rays.len() - whole;
             let at = |lane: usize| whole + if lane < rest { lane } else { 0 };
-            let vector = |of: &dyn Fn(Ray<f32>) -> Vec3<f32>| {
-                let component =
-                    |axis: fn(Vec3<f32>) -> f32| F32x8::from_fn(|lane| axis(of(rays.packet(at(lane)))));
-                Vec3::new(component(|v| v.x), component(|v| v.y), component(|v| v.z))
-            };
-            let ray = Ray { origin: vector(&|ray| ray.origin), direction: vector(&|ray| ray.direction) };
-            self.prepare(whole, &ray, padding, F32x8::from_fn(|lane| hits.t[at(lane)]));
+            let lanes: [Ray<f32>; F32x8::WIDTH] = std::array::from_fn(|lane| rays.packet(at(lane)));
+            self.prepare(whole, &Ray::from_lanes(&lanes), padding, F32x8::from_fn(|lane| hits.t[at(lane)]));
         }
     }
 

@@ -4,7 +4,7 @@
 //! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
 use super::methods::triangle_methods;
-use super::rays::{packet, towards};
+use super::rays::towards;
 use super::recipe::{FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use super::triangles::{WOOP, mean};
@@ -146,7 +146,7 @@ fn leaks<T: TriangleMethod>(
     // Those of up to eight rays that hit none of these triangles.
     let missing = |rays: &[Ray<f32>], triangles: &mut dyn Iterator<Item = usize>| -> Vec<Ray<f32>> {
         let eight: [Ray<f32>; 8] = std::array::from_fn(|lane| rays[lane % rays.len()]);
-        let prepared = T::prepare(&packet::<F32x8>(&eight));
+        let prepared = T::prepare(&Ray::<F32x8>::from_lanes(&eight));
         let mut hit = <F32x8 as Lane>::Mask::splat(false);
         for number in triangles {
             hit = hit | T::test(&prepared, &stored[number], F32x8::splat(f32::INFINITY)).mask;

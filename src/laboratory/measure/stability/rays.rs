@@ -1,8 +1,7 @@
 //! Rays from points in single and double precision.
 //!
-//! For: [`ray`], `towards`, `to_f64`, [`packet`].
+//! For: [`ray`], `towards`, `to_f64`.
 
-use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 use glam::DVec3;
 
@@ -20,16 +19,4 @@ pub(crate) fn towards(origin: glam::Vec3, target: DVec3) -> Ray<f32> {
 /// Origin and direction in f64, without rounding.
 pub(crate) fn to_f64(ray: &Ray<f32>) -> (DVec3, DVec3) {
     (ray.origin.get(0).as_dvec3(), ray.direction.get(0).as_dvec3())
-}
-
-/// A packet from rays, one a lane.
-pub fn packet<L: Lane>(rays: &[Ray<f32>]) -> Ray<L> {
-    let lanes = |of: fn(&Ray<f32>) -> Vec3<f32>| {
-        Vec3::new(
-            L::from_fn(|i| of(&rays[i]).x),
-            L::from_fn(|i| of(&rays[i]).y),
-            L::from_fn(|i| of(&rays[i]).z),
-        )
-    };
-    Ray { origin: lanes(|ray| ray.origin), direction: lanes(|ray| ray.direction) }
 }

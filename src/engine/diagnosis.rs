@@ -10,9 +10,8 @@
 use crate::camera::Tile;
 use crate::film::{Film, TileSums};
 use crate::render::Renderer;
-use crate::scene::{MAX_BOUNCES, Material, MaterialKind, Scene, Sky, Sphere};
+use crate::scene::{MAX_BOUNCES, MaterialKind, Scene, Sphere};
 use crate::tone::Tone;
-use glam::Vec3;
 
 /// Displayed intensities, of which 1 is white: sRGB 25 and 137 of 255 for the first two.
 const DARK: f32 = 0.01;
@@ -58,7 +57,7 @@ fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>)
     let camera = renderer.camera().origin::<f32>().get(0);
     let is_around = |sphere: &Sphere| {
         let material = &scene.materials[sphere.material as usize];
-        let is_opaque = !matches!(material.kind, MaterialKind::Glass { .. }) && !emits(material);
+        let is_opaque = !matches!(material.kind, MaterialKind::Glass { .. }) && !material.emits();
         is_opaque && sphere.center.distance(camera) < sphere.radius
     };
     if let Some(more) = more {
@@ -73,17 +72,9 @@ fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>)
     }
 }
 
-fn emits(material: &Material) -> bool {
-    material.emission != Vec3::ZERO
-}
-
 fn has_light(scene: &Scene) -> bool {
-    let emits = |material: u32| emits(&scene.materials[material as usize]);
-    let is_dark = match scene.sky {
-        Sky::Color(color) | Sky::Texture { color, .. } => color == Vec3::ZERO,
-        Sky::Gradient { bottom, top } => bottom + top == Vec3::ZERO,
-    };
-    !is_dark
+    let emits = |material: u32| scene.materials[material as usize].emits();
+    !scene.sky.is_black()
         || scene.spheres.iter().any(|sphere| emits(sphere.material))
         || scene.triangles.iter().any(|triangle| emits(triangle.material))
 }

@@ -235,7 +235,7 @@ const TRAITS: [&str; 2] = ["emissive", "textured"];
 
 fn materials(all: &[Material]) -> Vec<(&'static str, usize)> {
     let is = |material: &Material, name| match name {
-        "emissive" => material.emission != Vec3::ZERO,
+        "emissive" => material.emits(),
         "textured" => material.texture.is_some(),
         name => name == type_of(material.kind),
     };
@@ -293,7 +293,7 @@ impl TextureReport {
 
 impl LightReport {
     fn of(scene: &Scene, lights: &Lights) -> Self {
-        let shines = |material: u32| scene.materials[material as usize].emission != Vec3::ZERO;
+        let shines = |material: u32| scene.materials[material as usize].emits();
         let spheres = scene.spheres.iter().filter(|sphere| shines(sphere.material)).count();
         let triangles = scene.triangles.iter().filter(|triangle| shines(triangle.material)).count();
         Self {

@@ -41,6 +41,10 @@ impl Material {
             emission_map: None,
         }
     }
+    /// Whether it emits light.
+    pub fn emits(&self) -> bool {
+        self.emission != Vec3::ZERO
+    }
     /// All textures of the material.
     pub fn textures(&self) -> impl Iterator<Item = u32> {
         [self.texture, self.roughness_map, self.normal_map, self.emission_map].into_iter().flatten()

@@ -84,3 +84,13 @@ pub enum Sky {
     /// anticlockwise seen from above, in [0, 1).
     Texture { texture: u32, color: Vec3, turn: f32 },
 }
+
+impl Sky {
+    /// Whether its colours are black, whatever its texture.
+    pub fn is_black(&self) -> bool {
+        match *self {
+            Self::Color(color) | Self::Texture { color, .. } => color == Vec3::ZERO,
+            Self::Gradient { bottom, top } => bottom == Vec3::ZERO && top == Vec3::ZERO,
+        }
+    }
+}

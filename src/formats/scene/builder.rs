@@ -153,7 +153,7 @@ impl SceneBuilder {
     }
     /// Whether any primitive emits light.
     pub fn emits(&self) -> bool {
-        let emits = |material: u32| self.materials[material as usize].emission != Vec3::ZERO;
+        let emits = |material: u32| self.materials[material as usize].emits();
         self.spheres.iter().any(|sphere| emits(sphere.material))
             || self.triangles.iter().any(|triangle| emits(triangle.material))
     }
@@ -180,11 +180,7 @@ impl SceneBuilder {
     ) -> Result<Scene, SceneError> {
         self.check_room(0)?;
         self.colors.lay_out(&mut self.textures.list, &mut self.uvs)?;
-        let black = match sky {
-            Sky::Color(color) | Sky::Texture { color, .. } => color == Vec3::ZERO,
-            Sky::Gradient { bottom, top } => bottom == Vec3::ZERO && top == Vec3::ZERO,
-        };
-        if black && !self.emits() {
+        if sky.is_black() && !self.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }
         if self.more_warnings > 0 {

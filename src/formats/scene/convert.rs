@@ -172,7 +172,7 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
     if material.kind != MaterialKind::Emitter {
         set("color", channels(material.color));
     }
-    if material.emission != Vec3::ZERO {
+    if material.emits() {
         set("emission", channels(material.emission));
     }
     let textures = [

@@ -136,7 +136,7 @@ impl<'a> Materials<'a> {
             let scale = file.normal_texture.as_ref().map_or(1.0, |normal| normal.scale);
             let slopes = Some(scale).filter(|scale| *scale != 1.0 && scale.is_finite());
             material.normal_map = load("normalTexture", normal, TexelKind::Data, slopes);
-            if material.emission != Vec3::ZERO {
+            if material.emits() {
                 material.emission_map = load("emissiveTexture", emission, TexelKind::Color, None);
             }
         }

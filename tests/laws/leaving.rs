@@ -8,10 +8,10 @@
 use crate::common::*;
 use octray::buffers::Buffers;
 use octray::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
-use octray::measure::stability::FailureCounts;
 use octray::measure::stability::leaving::{self, SpawnMethod, leave_triangle};
 use octray::measure::stability::shells::{Side, leave_shell, leave_sphere};
 use octray::measure::stability::spheres::Ball;
+use octray::measure::stability::{FailureCounts, rooms};
 
 /// How far rays travel before they leave, in sizes of what they leave.
 const TRAVELLED: [f64; 2] = [1e-2, 1e3];
@@ -28,7 +28,7 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
         let [x, y, z, inverse_radius, offset, ..] = buffers.sphere_rows.fetch::<f32>(0, true);
         assert_eq!((vec3(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));
         assert_eq!(offset, sphere_offset(ball.center, ball.radius));
-        let [ax, ay, az, abx, aby, abz, offset, _] = buffers.triangle_rows.fetch::<f32>(0, true);
+        let [ax, ay, az, abx, aby, abz, offset, ..] = buffers.triangle_rows.fetch::<f32>(0, true);
         let [acx, acy, acz, nx, ny, nz, ..] = buffers.triangle_rows.fetch::<f32>(1, true);
         let rows = [[ax, ay, az], [abx, aby, abz], [acx, acy, acz], [nx, ny, nz]].map(Vec3::from_array);
         let [a, b, c] = vertices;
@@ -209,4 +209,24 @@ fn points_are_on_their_spheres_and_normals_have_unit_length() {
     assert!(roots > 10_000 && others > 10_000);
     let (point, normal) = sphere_surface(math::Vec3::<f32>::zero(), math::Vec3::zero(), 0.5, true);
     assert_eq!((point.get(0), normal.get(0)), (vec3(0.0, 2.0, 0.0), Vec3::Y));
+}
+
+/// Closed rooms are black under a bright sky: no path of up to 100 bounces on white walls finds a way out, at
+/// any distance from the origin, also with something else there.
+#[test]
+fn no_light_leaks_into_closed_rooms() {
+    let mut rng = Rng(24);
+    for distance in [0.0, 100.0, 1000.0, 10_000.0] {
+        let (room, [position, look_at]) = rooms::room(&mut rng, distance);
+        let scene = Scene {
+            spheres: vec![sphere(vec3(0.0, 0.0, 3.0), 0.5, 0)],
+            triangles: room.into_iter().map(|vertices| triangle(vertices, 0)).collect(),
+            camera: camera(position, look_at, 90.0),
+            max_bounces: 100,
+            ..diffuse()
+        };
+        let film = film(&scene, Settings { resolution: [64, 64], ..Settings::of(&scene) }, 8);
+        assert_eq!(mean(&film.picture()), 0.0, "{distance} from the origin");
+        assert_eq!(film.rays(), 64 * 64 * 8 * 101, "{distance} from the origin: paths ended");
+    }
 }

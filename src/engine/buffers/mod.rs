@@ -34,8 +34,9 @@ pub struct Buffers {
     /// One row of eight a sphere: centre, one over the radius, offset of leaving rays, material (bits),
     /// texture turn (see `texture_turn`), probability of being chosen as a light.
     pub sphere_rows: Rows,
-    /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, probability of being
-    /// chosen as a light, [`Lights::diagonals`].
+    /// Two rows of eight a triangle: a, ab, offset, material and [`Lights::diagonals`] (bits, see
+    /// [`DIAGONAL_SHIFT`]); ac, unit normal, probability of being chosen as a light,
+    /// [`surface::near_edge`].
     pub triangle_rows: Rows,
     /// One row of eight a triangle: u and v of the three vertices, v downwards, and
     /// [`surface::texture_density`]; empty without texture coordinates.
@@ -64,6 +65,9 @@ pub struct Buffers {
     /// The lights that are sampled.
     pub lights: Lights,
 }
+
+/// Above a triangle's material, in bits: what half of a quadrilateral it is, see [`Lights::diagonals`].
+pub const DIAGONAL_SHIFT: u32 = 30;
 
 /// The sky as shading reads it.
 #[derive(Clone, Copy, Debug)]
@@ -209,9 +213,11 @@ fn triangle_rows(triangle: &scene::Triangle, probability: f32, diagonal: u8) -> 
     let (ab, ac) = (b - a, c - a);
     let n = triangle_normal(triangle.vertices);
     let offset = triangle_offset(triangle.vertices);
+    let material = f32::from_bits(triangle.material | u32::from(diagonal) << DIAGONAL_SHIFT);
+    let near_edge = surface::near_edge(triangle.vertices, offset);
     [
-        [a.x, a.y, a.z, ab.x, ab.y, ab.z, offset, f32::from_bits(triangle.material)],
-        [ac.x, ac.y, ac.z, n.x, n.y, n.z, probability, f32::from(diagonal)],
+        [a.x, a.y, a.z, ab.x, ab.y, ab.z, offset, material],
+        [ac.x, ac.y, ac.z, n.x, n.y, n.z, probability, near_edge],
     ]
 }
 

@@ -5,11 +5,11 @@
 use super::context::TraceContext;
 use super::context::has;
 use super::queue::Path;
-use crate::buffers::Features;
+use crate::buffers::{DIAGONAL_SHIFT, Features};
 use crate::kernel::light::{self, FlatLight};
 use crate::kernel::normals;
 use crate::kernel::ray_cone;
-use crate::kernel::surface::{latitude_longitude, sphere_surface};
+use crate::kernel::surface::{inset, latitude_longitude, sphere_surface};
 use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -125,22 +125,30 @@ impl<L: Lane> Surface<L> {
         let [ax, ay, az, abx, aby, abz, offset, material] =
             context.buffers.triangle_rows.fetch::<L>(first, fits_registers);
         let second = first | L::Bits::splat(1);
-        let [acx, acy, acz, nx, ny, nz, chance, diagonal] =
+        let [acx, acy, acz, nx, ny, nz, chance, near_edge] =
             context.buffers.triangle_rows.fetch::<L>(second, fits_registers);
-        let (u, v) = self.barycentric;
+        let (mut u, mut v) = self.barycentric;
         let (ab, ac) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz));
+        let at_edge = u.min(v).min(L::one() - u - v).lt(near_edge);
+        if at_edge.any() {
+            let moved = inset((u, v), [ab, ac], offset);
+            (u, v) = (L::select(at_edge, moved.0, u), L::select(at_edge, moved.1, v));
+        }
         let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
         self.edges = [ab, ac];
         let keep = self.is_sphere;
         self.point = Vec3::select(keep, self.point, point);
         self.ng = Vec3::select(keep, self.ng, Vec3::new(nx, ny, nz));
         self.offset = L::select(keep, self.offset, offset);
-        self.material = L::Bits::select(keep, self.material, material.to_bits());
+        let material = material.to_bits();
+        let index = material & L::Bits::splat((1 << DIAGONAL_SHIFT) - 1);
+        self.material = L::Bits::select(keep, self.material, index);
         if has(N, Features::LIGHTS) {
             let mut pdf = L::zero();
             if (!keep & L::zero().lt(chance)).any() {
                 let Ray { origin, direction } = path.ray;
                 let a = Vec3::new(ax, ay, az) - origin;
+                let diagonal = material.shr(DIAGONAL_SHIFT);
                 pdf = chance * light::flat_pdf(&flat_light(a, ab, ac, diagonal), direction, hit.t);
             }
             // Lanes on non-emissive triangles hold the pdf of some sphere: overwrite them too.
@@ -230,8 +238,8 @@ impl<L: Lane> Surface<L> {
 /// The light that the triangle a, a + ab, a + ac is, or is a half of: `diagonal` is one more than the index
 /// of the vertex opposite the other half, 0 without one.
 #[inline(always)]
-fn flat_light<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, diagonal: L) -> FlatLight<L> {
-    let [first, second, third] = [1.0, 2.0, 3.0].map(|index| diagonal.eq(L::splat(index)));
+fn flat_light<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, diagonal: L::Bits) -> FlatLight<L> {
+    let [first, second, third] = [1, 2, 3].map(|index| diagonal.equals(L::Bits::splat(index)));
     let turned = |from_b: Vec3<L>, from_c: Vec3<L>, from_a: Vec3<L>| {
         Vec3::select(third, from_c, Vec3::select(second, from_b, from_a))
     };

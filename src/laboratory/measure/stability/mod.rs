@@ -14,6 +14,7 @@
 //! | [`triangles`] | slivers, sizes, distances, grazing rays |
 //! | [`boxes`] | corners, planes of faces, boxes far from the origin |
 //! | [`leaving`] | self-intersection of rays that leave triangles |
+//! | [`rooms`] | rays that leave walls next to the corners of closed rooms |
 //! | [`shells`] | self-intersection on spheres; surfaces close to the one that is left |
 //! | `textures` | poles and seam of a sphere, large texture coordinates |
 //! | `scattering` | directions that cancel, shading normals |
@@ -36,6 +37,7 @@ mod numbers;
 pub mod rays;
 mod recipe;
 mod rng;
+pub mod rooms;
 mod scattering;
 mod scenes;
 pub mod shells;
@@ -55,6 +57,7 @@ static RECIPES: LazyLock<Vec<Recipe>> = LazyLock::new(|| {
         triangles::recipes(),
         boxes::recipes(),
         leaving::recipes(),
+        rooms::recipes(),
         shells::recipes(),
         textures::recipes(),
         scattering::recipes(),

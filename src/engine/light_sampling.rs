@@ -10,6 +10,8 @@ use crate::math::{BELOW_ONE, Vec3};
 
 /// A light for each lane.
 pub struct ChosenLight<L: Lane> {
+    /// Its index.
+    pub index: L::Bits,
     /// Centre of a sphere, first vertex of a triangle.
     pub at: Vec3<L>,
     /// 0 for triangles, negative for the environment light.
@@ -182,6 +184,7 @@ impl Lights {
         let [abx, aby, abz, acx, acy, acz, quad, offset] =
             self.rows.fetch::<L>(first | L::Bits::splat(1), fits_registers);
         ChosenLight {
+            index: light,
             at: Vec3::new(x, y, z),
             radius,
             emission: Vec3::new(r, g, b),

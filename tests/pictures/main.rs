@@ -17,6 +17,7 @@ mod flip;
 mod furnace;
 mod history;
 mod judged;
+mod lamps;
 mod levels_of_detail;
 mod reference_laws;
 mod smooth;

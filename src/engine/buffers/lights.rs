@@ -3,10 +3,14 @@
 
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
+use super::light_power::{has_texture, power_of, sky_power};
+use super::overlaps;
 use super::quads;
 use super::rows::Rows;
 use crate::choice::choices;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
+use crate::lane::{Bits, Lane};
+use crate::math::MISS;
 use crate::scene::{MaterialKind, Primitive, Scene, Sphere, Triangle};
 use std::collections::HashMap;
 use std::f32::consts::PI;
@@ -52,6 +56,10 @@ pub struct Lights {
     pub diagonals: Vec<u8>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
+    /// The two primitives that each light is, or twice the one; [`MISS`] of the sky. Only where a light has a
+    /// texture, or lies in the surface of another primitive: what a shadow ray hits then decides what it adds.
+    /// Empty elsewhere.
+    primitives: Vec<u32>,
 }
 
 /// One slot of equal width a light: a number within the slot's width chooses the slot's own light below
@@ -117,6 +125,13 @@ impl Lights {
         halves.iter().for_each(|(&triangle, half)| diagonals[triangle] = half.corner as u8 + 1);
         let corner = |number: usize| halves.get(&number.wrapping_sub(spheres)).map(|half| half.corner);
         let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
+        let is_textured = |number: &&usize| has_texture(scene, **number);
+        let hits_decide = lights.iter().find(is_textured).is_some()
+            || overlaps::exist(scene, |number| powers[number] > 0.0);
+        let primitives_of = |&number: &usize| match number {
+            sky if sky == primitives => [MISS; 2],
+            number => [number, partner(number).unwrap_or(number)].map(|number| number as u32),
+        };
         let by_irradiance = merge && (is_few || lights.len() > Self::MAX_SHARED);
         let important = lights.iter().filter(|_| by_irradiance);
         Self {
@@ -132,7 +147,22 @@ impl Lights {
             sky: sky.map(|sky| (sky, probabilities[primitives])),
             probabilities,
             diagonals,
+            primitives: if hits_decide {
+                lights.iter().flat_map(primitives_of).collect()
+            } else {
+                Vec::new()
+            },
         }
+    }
+    /// Whether what shadow rays hit decides what they add, and not whether something is in their way.
+    pub fn hits_decide(&self) -> bool {
+        !self.primitives.is_empty()
+    }
+    /// Whether each light is this primitive, or ([`MISS`]) the sky. Domain: [`Lights::hits_decide`].
+    pub(crate) fn are<L: Lane>(&self, light: L::Bits, primitive: L::Bits) -> L::Mask {
+        let first = light.shl(1);
+        let [one, other] = [first, first | L::Bits::splat(1)].map(|at| L::gather_bits(&self.primitives, at));
+        primitive.equals(one) | primitive.equals(other)
     }
     /// Whether [`Lights::compare`] or [`Lights::resample`] chooses among them, and not [`Lights::choose`].
     #[inline(always)]
@@ -162,6 +192,7 @@ impl Lights {
             + size_of_val(self.alias_table.alias.as_slice()) * 2
             + size_of_val(self.probabilities.as_slice())
             + size_of_val(self.diagonals.as_slice())
+            + size_of_val(self.primitives.as_slice())
             + self.sky.as_ref().map_or(0, |(sky, _)| sky.bytes())
     }
 }
@@ -173,42 +204,6 @@ fn anything_scatters(scene: &Scene) -> bool {
         MaterialKind::Metal { roughness } => roughness > 0.0,
         _ => true,
     })
-}
-
-/// The power that a primitive emits, 0 if it is not to be sampled.
-fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
-    let emission = |material: u32| {
-        let material = &scene.materials[material as usize];
-        // Textured emitters are found by scattering alone: the light rows hold one emission for all points.
-        let is_textured = material.kind == MaterialKind::Emitter && material.texture.is_some()
-            || material.emission_map.is_some();
-        if is_textured { 0.0 } else { f64::from(material.emission.element_sum()) / 3.0 }
-    };
-    match scene.primitive(number) {
-        Primitive::Sphere(sphere) if choice != LightChoice::On && surrounds(scene, sphere) => 0.0,
-        Primitive::Sphere(&Sphere { radius, material, .. }) => {
-            let radius = f64::from(radius);
-            4.0 * f64::from(PI) * f64::from(PI) * radius * radius * emission(material)
-        }
-        Primitive::Triangle(&Triangle { vertices, material }, _) => {
-            let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
-            // Both sides emit.
-            f64::from(PI) * (b - a).cross(c - a).length() * emission(material)
-        }
-    }
-}
-
-/// The power that arrives from the sky at a sphere around the scene.
-fn sky_power(scene: &Scene, sky: &EnvironmentLight) -> f64 {
-    let (lower, upper) = scene.bounds();
-    let radius = (upper - lower).length() / 2.0;
-    4.0 * f64::from(PI) * f64::from(PI) * radius * radius * sky.mean
-}
-
-/// Whether the camera is within this sphere: then every ray that misses the other primitives hits it.
-fn surrounds(scene: &Scene, sphere: &Sphere) -> bool {
-    let to = scene.camera.position.as_dvec3() - sphere.center.as_dvec3();
-    to.length() < f64::from(sphere.radius)
 }
 
 /// See [`Lights::rows`]. `quad`: of a triangle that is half of a parallelogram, the vertex opposite the other

@@ -7,8 +7,10 @@
 
 mod environment_light;
 pub mod features;
+mod light_power;
 mod lights;
 mod mip_chain;
+mod overlaps;
 mod quads;
 pub mod rows;
 mod texels;

@@ -263,6 +263,10 @@ pub struct ShadowQueue {
     t_max: Column,
     radiance: Vec3Columns,
     slot: IntColumn,
+    /// Indices of lights, and [`Cone`]s. Only where hits decide: [`crate::buffers::Lights::hits_decide`].
+    light: IntColumn,
+    cone_width: Column,
+    cone_spread: Column,
 }
 
 impl ShadowQueue {
@@ -277,6 +281,20 @@ impl ShadowQueue {
     #[inline(always)]
     pub fn contribution<L: Lane>(&self, at: usize) -> (L::Bits, Vec3<L>) {
         (L::Bits::load(&self.slot[at..]), self.radiance.load(at))
+    }
+    /// The lights that the rays of the packet at `at` run to, and the rays as paths.
+    pub fn to_light<L: Lane>(&self, at: usize) -> (L::Bits, Path<L>) {
+        let ray = Ray { origin: self.origin.load(at), direction: self.direction.load(at) };
+        let cone = Cone { width: L::load(&self.cone_width[at..]), spread: L::load(&self.cone_spread[at..]) };
+        let (slot, throughput) = self.contribution(at);
+        let path = Path { ray, throughput, inv_pdf: L::zero(), key: L::Bits::splat(0), slot, cone };
+        (L::Bits::load(&self.light[at..]), path)
+    }
+    /// Stores what [`Self::to_light`] reads beside the rays.
+    pub fn store_light<L: Lane>(&mut self, at: usize, mask: L::Mask, light: L::Bits, cone: Cone<L>) {
+        light.compress(mask).store(&mut self.light[at..]);
+        cone.width.compress(mask).store(&mut self.cone_width[at..]);
+        cone.spread.compress(mask).store(&mut self.cone_spread[at..]);
     }
     /// Stores the lanes of `mask` from `at` on.
     #[inline(always)]

@@ -9,14 +9,15 @@ use super::context::has;
 use super::emission::{environment_radiance, mis_weight};
 use super::material::MaterialSample;
 use super::material::scattered_cone;
-use super::queue::Path;
+use super::queue::{Path, ShadowQueue};
 use super::scratch::Scratch;
 use super::stats::{RayKind, Stage};
 use super::surface::Surface;
 use crate::buffers::{Features, Lights};
 use crate::kernel::light::{FlatLight, LightSample, sample_flat, sample_sphere};
+use crate::kernel::ray_cone::Cone;
 use crate::lane::{Lane, Mask};
-use crate::math::{Ray, Vec3};
+use crate::math::{Hit, Ray, Vec3};
 use crate::sampling::{PacketValues, dimension};
 
 /// A shadow ray ends this share of its length before the light: far more than the error of a hit's distance,
@@ -73,7 +74,9 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
             LightSample::select(is_sphere, sample_sphere(at, light.radius, u, v), flat)
         }
     };
-    let mut emission = light.emission;
+    let hits_decide = lights.hits_decide();
+    // Where hits decide, what they emit is known then.
+    let mut emission = if hits_decide { Vec3::repeat(L::one()) } else { light.emission };
     if has(N, Features::SKY_TEXTURE)
         && let Some((sky, _)) = &lights.sky
     {
@@ -107,25 +110,66 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let length = end.dot(end).sqrt();
     let far = !sample.t.is_finite();
     let direction = Vec3::select(far, sample.wi, end * (L::one() / length));
-    let t_max = L::select(far, sample.t, length * L::splat(1.0 - SHADOW_EPSILON));
+    let mut t_max = L::select(far, sample.t, length * L::splat(1.0 - SHADOW_EPSILON));
+    if hits_decide {
+        let mut cone = Cone::none();
+        if context.carries_cones::<N>() {
+            cone = scattered_cone(path, surface, material, L::Mask::splat(false));
+        }
+        scratch.shadow_queue.store_light(count, carries, light.index, cone);
+        t_max = L::splat(f32::INFINITY);
+    }
     scratch.shadow_queue.store(count, carries, &Ray { origin, direction }, t_max, radiance, path.slot);
     count + carries.count()
 }
 
 /// Traces the first `count` shadow rays and adds the radiance of the unoccluded ones.
 pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch, count: usize) {
+    let hits_decide = context.buffers.lights.hits_decide();
     let Scratch { queue, shadow_queue, tracer, observer, radiance: sums, .. } = scratch;
     observer.begin_shadow_rays::<L>(count);
     let (rays, mut hits) = shadow_queue.queries(queue, count);
-    context.primitives.occluded::<L>(&rays, &mut hits, tracer, observer.counter(RayKind::Shadow));
+    let counter = observer.counter(RayKind::Shadow);
+    if hits_decide {
+        context.primitives.closest::<L>(&rays, &mut hits, None, tracer, counter);
+    } else {
+        context.primitives.occluded::<L>(&rays, &mut hits, tracer, counter);
+    }
     let mut contributions = 0;
     for at in (0..count).step_by(L::WIDTH) {
-        let unoccluded = L::Mask::first(count - at) & !hits.packet::<L>(at).found();
+        let (rays, hit) = (L::Mask::first(count - at), hits.packet::<L>(at));
+        let (unoccluded, (slot, radiance)) = if hits_decide {
+            radiance_of_hits::<L>(context, shadow_queue, at, &hit, rays)
+        } else {
+            (rays & !hit.found(), shadow_queue.contribution::<L>(at))
+        };
         if unoccluded.any() {
-            let (slot, radiance) = shadow_queue.contribution::<L>(at);
             contributions = sums.push(contributions, unoccluded, slot, radiance);
         }
     }
     sums.add(contributions);
     observer.begin(Some(Stage::Shade));
+}
+
+/// Which of a packet's shadow rays hit the light that they run to, and what they add to which slots: what
+/// their hits emit.
+#[inline(never)]
+fn radiance_of_hits<L: Lane>(
+    context: &TraceContext,
+    queue: &ShadowQueue,
+    at: usize,
+    hit: &Hit<L>,
+    rays: L::Mask,
+) -> (L::Mask, (L::Bits, Vec3<L>)) {
+    const ALL: u32 = Features::ALL.0;
+    let (light, path) = queue.to_light::<L>(at);
+    let seen = rays & context.buffers.lights.are::<L>(light, hit.primitive);
+    let found = seen & hit.found();
+    let mut radiance = path.throughput;
+    if found.any() {
+        let surface = Surface::of::<ALL>(context, &path, hit, found);
+        let emission = MaterialSample::of::<ALL>(context, &surface, found).emission;
+        radiance = Vec3::select(found, radiance * emission, radiance);
+    }
+    (seen, (path.slot, radiance))
 }

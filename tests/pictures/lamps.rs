@@ -1,0 +1,91 @@
+//! The law of lamps: the choice of estimator never changes a mean, however lamps touch, overlap and repeat.
+
+use crate::common::*;
+
+/// A lamp or a panel for a random scene: on one of two planes, so that many share one, or around one of two
+/// points.
+fn add_shape(rng: &mut Rng, scene: &mut Scene) {
+    let pick = |rng: &mut Rng, numbers: [f32; 3]| numbers[rng.index(3)];
+    let material = [1, 1, 2, 3, 4][rng.index(5)];
+    let height = [2.0, 2.5][rng.index(2)];
+    if rng.index(4) == 0 {
+        let radius = pick(rng, [0.4, 0.4, 0.7]);
+        let center = vec3(pick(rng, [-0.8, 0.8, 0.9]), height, 0.0);
+        return scene
+            .spheres
+            .push(Sphere { texture_turn: rng.unit() as f32, ..sphere(center, radius, material) });
+    }
+    let (x, z) = (pick(rng, [-1.0, 0.0, -0.3]), pick(rng, [-1.0, -0.5, 0.1]));
+    let (width, depth) = (pick(rng, [0.5, 1.0, 1.2]), pick(rng, [0.5, 1.0, 0.7]));
+    let corners =
+        [[x, z], [x + width, z], [x + width, z + depth], [x, z + depth]].map(|[x, z]| vec3(x, height, z));
+    let turned = rng.index(4);
+    let corner = |at: usize| corners[(at + turned) % 4];
+    let mut halves = vec![[corner(0), corner(1), corner(2)], [corner(0), corner(2), corner(3)]];
+    halves.truncate(1 + rng.index(4).min(1));
+    for mut vertices in halves {
+        if rng.index(3) == 0 {
+            vertices.swap(1, 2);
+        }
+        scene.uvs.push(vertices.map(|vertex| vec2(vertex.x, vertex.z)));
+        scene.triangles.push(triangle(vertices, material));
+        if rng.index(6) == 0 {
+            scene.uvs.push(scene.uvs[scene.uvs.len() - 1]);
+            scene.triangles.push(triangle(vertices, [1, 2, 3][rng.index(3)]));
+        }
+    }
+}
+
+/// A floor under some lamps and panels.
+fn lamps(rng: &mut Rng) -> Scene {
+    let gray = Material { color: Vec3::splat(0.5), ..material(Diffuse) };
+    let painted = Material { texture: Some(0), ..lamp(2.0) };
+    let shining = Material { emission: Vec3::ONE, emission_map: Some(0), ..gray.clone() };
+    let mut scene = Scene {
+        materials: vec![gray.clone(), lamp(1.0), gray, painted, shining],
+        textures: vec![noise(rng, 4, 3, Filter::Bilinear)],
+        resolution: [16, 16],
+        ..floor(vec3(0.2, 0.0, -0.1), 1.0)
+    };
+    scene.uvs = vec![[Vec2::ZERO; 3]; scene.triangles.len()];
+    (0..2 + rng.index(4)).for_each(|_| add_shape(rng, &mut scene));
+    scene
+}
+
+/// The mean of a picture's red channel, and its squared standard error.
+fn mean_of(scene: &Scene, lights: LightChoice, samples: u32) -> [f64; 2] {
+    let methods = Methods { lights, sampler: Sampler::Random, ..Methods::default() };
+    let picture = render(scene, Settings { methods, ..Settings::of(scene) }, samples);
+    let count = picture.pixels.len() as f64;
+    let values = || picture.pixels.iter().map(|pixel| f64::from(pixel[0]));
+    let mean = values().sum::<f64>() / count;
+    let variance = values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    [mean, variance / count]
+}
+
+fn means_agree(scenes: u64, samples: u32) {
+    let (mut textured, mut deciding) = (0, 0);
+    for number in 0..scenes {
+        let scene = lamps(&mut Rng(1000 + number));
+        let lights = Lights::new(&scene, LightChoice::On);
+        deciding += u32::from(lights.hits_decide());
+        textured += u32::from(scene.triangles.iter().any(|triangle| triangle.material > 2));
+        let [sought, sought_error] = mean_of(&scene, LightChoice::On, samples);
+        let [hit, hit_error] = mean_of(&scene, LightChoice::Off, 4 * samples);
+        let apart = (sought - hit).abs();
+        let error = (sought_error + hit_error).sqrt();
+        assert!(apart <= 4.0 * error + 1e-6, "scene {number}: {sought} and {hit}, {} errors", apart / error);
+    }
+    assert!(u64::from(textured.min(deciding)) > scenes / 4, "{textured} with textures, {deciding} deciding");
+}
+
+#[test]
+fn sampling_lamps_keeps_the_mean() {
+    means_agree(60, 64);
+}
+
+#[test]
+#[ignore = "minutes: run by .ci/run"]
+fn sampling_lamps_keeps_the_mean_of_many_scenes() {
+    means_agree(1000, 256);
+}

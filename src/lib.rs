@@ -46,6 +46,7 @@
 //! | [`sampling`] | random numbers and Sobol points as functions of (seed, pixel, sample, dimension); warps |
 //! | [`kernel`] | intersection, scattering, texture lookup: several methods side by side |
 //! | [`scene`] | scene, view, model and texture files; the validated scene |
+//! | [`path_vertex`] | the vertices of one path as data |
 //! | [`buffers`] | the scene as flat buffers, and its features |
 //! | [`bvh`] | the bounding volume hierarchy: build and check |
 //! | [`camera`] | from pixels to primary rays |
@@ -85,8 +86,8 @@
 #![warn(missing_docs)]
 
 pub use octray_engine::{
-    adaptive, buffers, bvh, camera, choice, diagnosis, display, film, integrate, kernel, lane, math, render,
-    sampling, threads, tone, traverse,
+    adaptive, buffers, bvh, camera, choice, diagnosis, display, film, integrate, kernel, lane, math,
+    path_vertex, render, sampling, threads, tone, traverse,
 };
 pub use octray_formats::{checkpoint, output, scene, wording};
 pub use octray_laboratory::{measure, methods, reference};

@@ -1,34 +1,100 @@
-//! `octray inspect`: what a scene contains, and which methods and traversal it gets.
+//! `octray inspect`: what a scene contains, and which methods and traversal it gets; or one path of a pixel.
 
-use super::error::{CliError, checked};
+use super::error::{CliError, checked, refuse};
+use super::frame::FrameOptions;
 use super::groups::SCENE;
+use super::numbers::{MAX_SAMPLES, whole};
 use super::scenes;
 use super::terminal::Printer;
+use crate::reference::{PathSettings, Reference};
+use crate::render::{Renderer, Settings};
 use crate::report::inspection::Inspection;
+use crate::report::path;
+use crate::report::settings::{self, RunSettings};
+use serde_json::json;
 use std::process::ExitCode;
 
-/// Show what a scene contains.
+/// Show what a scene contains, or one path of a pixel.
 ///
 /// Prints the numbers of objects, materials and textures, their memory, the camera, and warnings about the
 /// file; the features that the scene needs; the traversal and why, either testing every primitive or a
 /// hierarchy of boxes, which is built, timed and checked; and the default methods and why. Exits with 1 if
 /// the hierarchy is invalid.
+///
+/// With --pixel, prints the path of one sample of a frame of `octray compare`, in double precision (the
+/// reference) beside single precision (the engine): at each vertex the hit, the lobe that scatters, the
+/// throughput on arrival, what is emitted, what next event estimation adds (0: occluded), and the radiance so
+/// far. The reference has no next event estimation: with --lights off both columns compute the same.
 #[derive(Debug, clap::Parser)]
-#[command(after_help = "Example:\n  octray inspect builtin:three --json")]
+#[command(mut_args(of_pixel))]
+#[command(after_help = "Examples:\n  octray inspect builtin:three --json\n  \
+                        octray inspect builtin:three --pixel 120,90 --size 240x135")]
 pub struct Options {
     #[arg(value_name = "SCENE", help = SCENE)]
     scene: String,
-    /// Print the report as JSON (schema octray-inspect-1).
+    /// Print the report as JSON (schema octray-inspect-1; of a path octray-path-1).
     #[arg(long)]
     json: bool,
+    /// Print a path of this pixel: column and row, from 0,0 at the upper left.
+    #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
+    pixel: Option<[u32; 2]>,
+    /// The number of the sample.
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole::<0, { MAX_SAMPLES - 1 }>, allow_hyphen_values = true)]
+    sample: u32,
+    #[command(flatten)]
+    frame: FrameOptions,
+}
+
+/// All options but these are of a path.
+fn of_pixel(arg: clap::Arg) -> clap::Arg {
+    let is_any = ["scene", "json", "pixel"].contains(&arg.get_id().as_str());
+    if is_any { arg } else { arg.requires("pixel") }
+}
+
+/// Column and row.
+fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let pair = text.split_once(',').and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]));
+    pair.ok_or("give column and row as X,Y, such as 120,67".into())
 }
 
 /// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
+    let out = Printer { json: options.json };
+    if let Some(pixel) = options.pixel {
+        return print_path(&options, pixel, out);
+    }
     let scene = scenes::load(&options.scene)?;
     let inspection = Inspection::of(options.scene, &scene);
-    let out = Printer { json: options.json };
     out.text(&inspection.text())?;
     out.report(&inspection)?;
     Ok(checked(!inspection.is_valid()))
+}
+
+/// Prints a path.
+fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitCode, CliError> {
+    options.frame.check(0)?;
+    let (sample, (scene, settings)) = (options.sample, options.frame.load(&options.scene, 0)?);
+    let Settings { resolution, max_bounces, seed, methods, .. } = settings;
+    let [right, bottom] = resolution.map(|side| side - 1);
+    if x > right || y > bottom {
+        let instead = format!("the pixels of the picture go from 0,0 to {right},{bottom}");
+        return Err(refuse("--pixel", format!("{x},{y}"), instead));
+    }
+    let of_reference = PathSettings { resolution, max_bounces, seed, sampler: methods.sampler };
+    let f64 = Reference::new(&scene).vertices(of_reference, x, y, sample);
+    let f32 = Renderer::new(&scene, settings).path([x, y], sample);
+    let report = json!({
+        "schema": "octray-path-1",
+        "scene": options.scene,
+        "pixel": [x, y],
+        "sample": sample,
+        // The first vertex with another primitive or lobe.
+        "part_at": f64.iter().zip(&f32).position(|(a, b)| (a.primitive, a.lobe) != (b.primitive, b.lobe)),
+        "f64": f64,
+        "f32": settings::json(&f32),
+        "settings": settings::json(&RunSettings::of_picture(&settings)),
+    });
+    out.text(&path::text(&report, &scene))?;
+    out.report(&report)?;
+    Ok(ExitCode::SUCCESS)
 }

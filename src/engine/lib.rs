@@ -30,6 +30,7 @@
 //! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
 //! | [`kernel`] | intersection, BSDFs, light sampling, texture lookups: several methods side by side |
 //! | [`scene`] | what a scene is |
+//! | [`path_vertex`] | the vertices of one path as data |
 //! | [`buffers`] | the scene flattened; the features it uses |
 //! | [`bvh`] | the bounding volume hierarchy: built and checked |
 //! | [`camera`] | raster space to primary rays |
@@ -71,6 +72,7 @@ pub mod kernel;
 pub mod lane;
 pub mod light_sampling;
 pub mod math;
+pub mod path_vertex;
 pub mod render;
 pub mod sampling;
 pub mod scene;

@@ -23,8 +23,8 @@
 //! | [`measure::chart`] | `octray chart`: error against time |
 //!
 //! # Rules
-//! - The reference is independent: it imports the scene's types and the sample values, and nothing else of
-//!   the engine. The engine therefore cannot share its mistakes.
+//! - The reference is independent: of the engine it imports the scene's types, the sample values and the form
+//!   of a path's vertices, and nothing else. The engine therefore cannot share its mistakes.
 //! - What is compared by speed is timed in alternating rounds, so that a slow spell of the machine affects
 //!   all alike.
 //! - A speed is a median with a spread. A speed and its error come from the same run.
@@ -35,8 +35,8 @@
 
 // The engine's modules under the paths that they have in the program: `crate::film`, `crate::scene`.
 use octray_engine::{
-    adaptive, buffers, bvh, camera, display, film, integrate, kernel, lane, math, render, sampling, scene,
-    threads, tone, traverse,
+    adaptive, buffers, bvh, camera, display, film, integrate, kernel, lane, math, path_vertex, render,
+    sampling, scene, threads, tone, traverse,
 };
 
 pub mod measure;

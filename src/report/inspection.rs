@@ -243,7 +243,8 @@ fn materials(all: &[Material]) -> Vec<(&'static str, usize)> {
     TYPES.into_iter().chain(TRAITS).map(count).collect()
 }
 
-fn type_of(kind: MaterialKind) -> &'static str {
+/// The name of a material type, as in scene files.
+pub fn type_of(kind: MaterialKind) -> &'static str {
     match kind {
         MaterialKind::Diffuse => "diffuse",
         MaterialKind::Metal { .. } => "metal",

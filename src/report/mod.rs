@@ -3,7 +3,7 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `bench`, `compare`, `rays`, `render`, `stability` | the report of a command: JSON and text, drawings |
-//! | `inspection`, with `methods` | the report of `inspect` |
+//! | `inspection`, with `methods`; `path` | the reports of `inspect` |
 //! | [`chart`], `tables`, [`page`] | the report of `chart`: JSON and text, CSV, HTML |
 //! | `chart_drawings`, `chart_kernels` | the drawings of `chart` |
 //! | [`settings`] | how figures were made: a part of every report |
@@ -25,6 +25,7 @@ pub(crate) mod inspection;
 pub(crate) mod methods;
 pub(crate) mod numbers;
 pub mod page;
+pub(crate) mod path;
 pub(crate) mod rays;
 pub(crate) mod render;
 pub(crate) mod scale;

@@ -124,7 +124,7 @@ impl RunSettings {
 }
 
 /// Through text: an f32 in a `Value` would have the digits of an f64.
-fn json(value: &impl Serialize) -> Value {
+pub fn json(value: &impl Serialize) -> Value {
     let text = serde_json::to_string(value).expect("settings are JSON");
     serde_json::from_str(&text).expect("it was just written")
 }

@@ -33,6 +33,7 @@ mod lights;
 mod lobes;
 mod long_paths;
 mod occluders;
+mod one_path;
 mod pipelines;
 mod random_scenes;
 mod sampling_laws;

@@ -20,6 +20,7 @@ mod frames;
 #[cfg(unix)]
 mod interrupt;
 mod limits;
+mod one_path;
 mod rays;
 mod render;
 mod report_page;

@@ -1,6 +1,6 @@
 //! The integrator: a wavefront path tracer.
 //!
-//! For: [`trace_tiles`], one sample of every pixel of some tiles.
+//! For: [`trace_tiles`], one sample of every pixel of some tiles; [`trace_path`], one path vertex by vertex.
 //!
 //! A tile's paths are in a queue in structure-of-arrays form ([`queue`]). Each stage runs over all of them
 //! before the next one starts:
@@ -37,6 +37,7 @@ mod generate;
 mod intersect;
 mod material;
 pub mod meter;
+mod path;
 mod pipeline;
 pub mod queue;
 mod radiance;
@@ -49,6 +50,7 @@ mod tile_pixels;
 
 pub use context::TraceContext;
 pub use generate::generate;
+pub use path::trace_path;
 pub use pipeline::{Pipeline, RENORMALIZATION_INTERVAL, pipeline_for, trace_tiles};
 pub use radiance::MAX_TILES;
 pub use scratch::Scratch;

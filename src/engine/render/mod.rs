@@ -12,9 +12,10 @@ use crate::buffers::{Buffers, Features};
 use crate::camera::{MAX_PIXELS, Pinhole, Tile};
 use crate::film::{Film, TileSums};
 use crate::integrate::stats::Stats;
-use crate::integrate::{MAX_TILES, Pipeline, Scratch, TraceContext, generate, pipeline_for};
+use crate::integrate::{MAX_TILES, Pipeline, Scratch, TraceContext, generate, pipeline_for, trace_path};
 use crate::lane::{F32x8, Native, WIDTHS};
 use crate::math::{Hit, MISS};
+use crate::path_vertex::PathVertex;
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
 use crate::traverse::{PrimitiveList, Primitives, features_of};
@@ -263,6 +264,11 @@ impl Renderer {
             paths.zip(tile.places()).map(hit).collect::<Vec<_>>()
         };
         Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
+    }
+
+    /// The path of one sample of a pixel of the picture, by the scalar integrator.
+    pub fn path(&mut self, pixel: [u32; 2], sample: u32) -> Vec<PathVertex<f32>> {
+        trace_path(&mut self.context, pixel, sample)
     }
 
     /// Takes samples until each of up to [`MAX_TILES`] tiles has `goal` of them, and returns the number of

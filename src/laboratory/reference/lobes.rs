@@ -36,7 +36,7 @@ pub(super) struct Normals {
     /// Shading normal for reflection and refraction: bent until a mirror direction is above the surface.
     ns_specular: DVec3,
     /// Shading normal for diffuse lobes.
-    ns_diffuse: DVec3,
+    pub ns_diffuse: DVec3,
     /// Reflected light stays above its plane, but for delta lobes: the interpolated normal, or `ng`.
     horizon: DVec3,
     /// Whether the shading normals differ from the geometric one.

@@ -13,12 +13,12 @@
 //! | `geometry` | spheres and triangles: hits, surface points |
 //! | `scene` | the scene in f64, the closest hit |
 //! | `lobes` | how materials scatter |
-//! | `path` | camera, sky, and the path between them |
+//! | [`path`] | how one pixel comes to be: the walk from camera ray to film, with its equations |
 //! | `verdict` | whether a single-precision hit is within its error bound |
 
 mod geometry;
 mod lobes;
-mod path;
+pub mod path;
 mod scene;
 mod texture;
 mod verdict;

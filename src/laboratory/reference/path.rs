@@ -1,8 +1,42 @@
-//! A path from the camera through the scene to the light, without light sampling.
+//! How one pixel comes to be: path tracing in f64, from the camera ray to the film. Read it from the top.
+//!
+//! # The equations
+//! The radiance L that leaves a point x in direction ω obeys the *rendering equation* (Kajiya, SIGGRAPH
+//! 1986), with Lₑ the emitted radiance, f the BSDF, and x′ what the ray from x along ω′ hits:
+//!
+//! ```text
+//! L(x, ω) = Lₑ(x, ω) + ∫ f(ω, ω′) L(x′, −ω′) |cos θ′| dω′
+//! ```
+//!
+//! The *Monte Carlo estimator* of the integral over all directions is f L |cos θ′| / p for one random
+//! direction of density (pdf) p; its mean is the integral. L at x′ is estimated in the same way, and so on:
+//! that is a path. The product of its factors f |cos θ′| / p so far is the *throughput* β. The path's
+//! radiance is the sum of β Lₑ over its vertices, and the pixel is the mean of such sums.
+//!
+//! # From ray to film
+//! The engine takes the same steps in `src/engine/integrate`, each for all paths of a tile before the next
+//! begins, with the equations of `src/engine/kernel`. Steps 1 to 5 are [`Reference::vertices`].
+//!
+//! | step | here | the engine's stage |
+//! |---|---|---|
+//! | 1. a ray through a random point of the pixel (box filter) | [`Reference::camera_ray`] | generate: `generate.rs` |
+//! | 2. the nearest hit x′; on a miss, β · the sky, and the end | [`Reference::closest`] | trace: `intersect.rs` |
+//! | 3. point, normals and textures at x′ | `geometry`, `texture` | shade: `surface.rs`, `material.rs` |
+//! | 4. β Lₑ joins the radiance | | shade: `emission.rs` |
+//! | 5. ω′, by *importance sampling* of the BSDF; β · f \|cos θ′\| / p; the next ray | `lobes` | shade: `bsdf.rs` |
+//! | – a light is sampled and tested: *next event estimation* | not here | shadow rays: `shadow_rays.rs` |
+//! | 6. the mean over samples | [`Reference::pixel`] | finish: `film` |
+//!
+//! Here a path finds lights by scattering alone: the simplest estimator is the judge. The engine samples
+//! lights too, and weighs the two techniques by *multiple importance sampling* with the power heuristic
+//! (Veach, Guibas, SIGGRAPH 1995): other noise, the same mean. Paths end after `max_bounces` events, and not
+//! before by *Russian roulette*. `octray inspect SCENE --pixel X,Y` prints a path, of this file and of the
+//! engine, on the same random numbers.
 
 use super::geometry::Surface;
 use super::scene::Reference;
 use super::{lobes, texture};
+use crate::path_vertex::{PathVertex, lobe};
 use crate::sampling::dimension::{PIXEL, bounce};
 use crate::sampling::{PixelCoordinates, SampleValues, Sampler};
 use crate::scene::{MaterialKind, Side, Sky};
@@ -41,6 +75,11 @@ impl Reference {
 
     /// The radiance that sample `sample` of pixel (x, y) carries, in linear RGB.
     pub fn path(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> [f64; 3] {
+        self.vertices(settings, x, y, sample).last().map_or([0.0; 3], |vertex| vertex.radiance)
+    }
+
+    /// The path of that sample: the end of each segment, and the radiance up to there.
+    pub fn vertices(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> Vec<PathVertex<f64>> {
         let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
         let numbers = |first: u32| {
             let numbers = SampleValues::new(settings.sampler, settings.seed, sample, first);
@@ -52,19 +91,25 @@ impl Reference {
                 f64::from(numbers.get_1d(dimension))
             }
         };
+        // 1. The camera ray.
         let in_pixel = numbers(PIXEL);
         let (mut origin, mut direction) =
             self.camera_ray(settings.resolution, f64::from(x) + in_pixel(0), f64::from(y) + in_pixel(1));
-        let mut throughput = DVec3::ONE;
-        let mut light = DVec3::ZERO;
+        let (mut throughput, mut radiance) = (DVec3::ONE, DVec3::ZERO);
+        let mut vertices = Vec::new();
         // The ray cone: width in scene units, and what it grows by in a unit of distance. Half a pixel wide.
         let half_height = (f64::from(self.camera.vertical_fov).to_radians() / 2.0).tan();
         let (mut width, mut spread) = (0.0, half_height / f64::from(settings.resolution[1]));
         for b in 0..=settings.max_bounces {
+            // 2. The nearest hit.
+            let vertex = PathVertex { throughput: throughput.into(), ..PathVertex::default() };
             let Some(hit) = self.closest(origin, direction) else {
-                light += throughput * self.sky(direction, spread);
+                let emitted = throughput * self.sky(direction, spread);
+                radiance += emitted;
+                vertices.push(PathVertex { emitted: emitted.into(), radiance: radiance.into(), ..vertex });
                 break;
             };
+            // 3. The surface and its material.
             let surface = self.surface(origin, direction, hit);
             let material = &self.materials[surface.material];
             let cosine = -direction.dot(surface.ng);
@@ -73,12 +118,6 @@ impl Reference {
             let length = width / cosine.abs().max(LEAST_COSINE);
             let area = width * length * surface.density;
             let texel = self.lookup(material.texture, surface.uv, surface.wraps, area);
-            let emitter = material.kind == MaterialKind::Emitter;
-            let emission = self.lookup(material.emission_map, surface.uv, surface.wraps, area);
-            light += throughput * material.emission.as_dvec3() * if emitter { texel } else { emission };
-            if b == settings.max_bounces {
-                break;
-            }
             let map = self.lookup(material.roughness_map, surface.uv, surface.wraps, area).min(DVec3::ONE);
             let (kind, roughness) = match material.kind {
                 MaterialKind::MetalRough { roughness, metallic, ior } => {
@@ -89,8 +128,27 @@ impl Reference {
             };
             let ns = self.mapped_normal(material.normal_map, &surface, area).or(surface.ns);
             let normals = lobes::Normals::facing(direction, surface.ng, ns, surface.ns);
+            // 4. Emission.
+            let emitter = material.kind == MaterialKind::Emitter;
+            let emission = self.lookup(material.emission_map, surface.uv, surface.wraps, area);
+            let emitted = throughput * material.emission.as_dvec3() * if emitter { texel } else { emission };
+            radiance += emitted;
+            vertices.push(PathVertex {
+                primitive: Some(hit.primitive),
+                distance: hit.t,
+                point: surface.point.into(),
+                normal: normals.ns_diffuse.into(),
+                emitted: emitted.into(),
+                radiance: radiance.into(),
+                ..vertex
+            });
+            if b == settings.max_bounces {
+                break;
+            }
+            // 5. The scattered ray.
             let color = material.color.as_dvec3() * texel;
             let sample = lobes::sample(kind, roughness, color, direction, &normals, numbers(bounce(b)));
+            let sample = sample.filter(|(_, weight, _)| throughput * *weight != DVec3::ZERO);
             let Some((scattered, weight, is_delta)) = sample else {
                 break;
             };
@@ -103,12 +161,13 @@ impl Reference {
             }
             spread = spread.clamp(-1.0, 1.0);
             direction = scattered.normalize();
+            vertices[b as usize].lobe = Some(lobe(is_delta, direction.dot(normals.ns_diffuse)));
             let side = 1.0_f64.copysign(direction.dot(normals.ng));
             let bulge =
                 if is_delta { DVec3::ZERO } else { surface.bulge[usize::from(normals.ng != surface.ng)] };
             origin = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
         }
-        light.to_array()
+        vertices
     }
 
     /// The shading normal of a normal map, on the outward side; `None` without a map or a tangent.

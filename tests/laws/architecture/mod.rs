@@ -21,6 +21,7 @@ const ORDER: [&[&str]; PACKAGES.len()] = [
         "sampling",
         "kernel",
         "scene",
+        "path_vertex",
         "buffers",
         "light_sampling",
         "bvh",

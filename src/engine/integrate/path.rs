@@ -1,0 +1,75 @@
+//! For: [`trace_path`], one path of the scalar integrator, vertex by vertex.
+//!
+//! A path of at most n events is the beginning of one of more, with the same random numbers. So the pipeline
+//! traces the pixel with at most 0, 1, 2 … events, and each time leaves the last segment and the last shadow
+//! ray in its queues. No stage knows of it.
+
+use super::aovs::ALL;
+use super::context::TraceContext;
+use super::emission::{missed_radiance, surface_radiance};
+use super::material::MaterialSample;
+use super::pipeline::pipeline_for;
+use super::scratch::Scratch;
+use super::surface::Surface;
+use crate::buffers::Features;
+use crate::camera::Tile;
+use crate::math::{Hit, Vec3};
+use crate::path_vertex::{PathVertex, lobe};
+
+/// The vertices of sample `sample` of pixel (x, y). The last one's radiance is what the film gets.
+pub fn trace_path(context: &mut TraceContext, [x, y]: [u32; 2], sample: u32) -> Vec<PathVertex<f32>> {
+    let tile = Tile { number: usize::MAX, x, y, width: 1, height: 1 };
+    let (_, pipeline) = pipeline_for(Features::ALL, 1);
+    let (most, mut scratch) = (context.max_bounces, Scratch::new());
+    let (mut vertices, mut shadow_rays) = (Vec::<PathVertex<f32>>::new(), 0);
+    for events in 0..=most {
+        context.max_bounces = events;
+        scratch.observer.start_stats();
+        pipeline(context, &[tile], sample, &mut scratch);
+        let stats = scratch.observer.take_stats();
+        if stats.segments.len() > events as usize {
+            push_end(context, &scratch, &mut vertices);
+        }
+        if stats.shadow_rays.rays > shadow_rays {
+            shadow_rays = stats.shadow_rays.rays;
+            // The last one, traced again; overwrites the hit.
+            let (vertex, scratch) = (&mut vertices[events as usize - 1], &mut *scratch);
+            let (rays, mut hits) = scratch.shadow_queue.queries(&mut scratch.queue, 1);
+            context.primitives.occluded::<f32>(&rays, &mut hits, &mut scratch.tracer, None);
+            vertex.light_direction = Some(rays.packet::<f32>(0).direction.get(0).into());
+            let (_, radiance) = scratch.shadow_queue.contribution::<f32>(0);
+            vertex.light = Some(if hits.get(0).found() { [0.0; 3] } else { radiance.get(0).into() });
+        }
+    }
+    context.max_bounces = most;
+    let mut sum = [0.0; 3];
+    for vertex in &mut vertices {
+        let (emitted, light) = (vertex.emitted, vertex.light.unwrap_or_default());
+        sum = std::array::from_fn(|channel| sum[channel] + emitted[channel] + light[channel]);
+        vertex.radiance = sum;
+    }
+    vertices
+}
+
+/// Adds the end of the segment at the front of the queue.
+fn push_end(context: &TraceContext, scratch: &Scratch, vertices: &mut Vec<PathVertex<f32>>) {
+    let array = |v: Vec3<f32>| v.get(0).to_array();
+    let (queue, hit): (_, Hit<f32>) = (&scratch.queue, scratch.queue.hit(0));
+    let mut path = context.path::<f32, ALL, true>(queue, 0);
+    if let Some(before) = vertices.last_mut() {
+        path = context.path::<f32, ALL, false>(queue, 0);
+        let cosine = path.ray.direction.get(0).dot(before.normal.into());
+        before.lobe = Some(lobe(path.inv_pdf == 0.0, cosine.into()));
+    }
+    let mut vertex = PathVertex { throughput: array(path.throughput), ..PathVertex::default() };
+    vertex.emitted = array(missed_radiance::<f32, ALL, false>(context, &path, !hit.found()));
+    if hit.found() {
+        let surface = Surface::of::<ALL>(context, &path, &hit, true);
+        let material = MaterialSample::of::<ALL>(context, &surface, true);
+        (vertex.primitive, vertex.distance) = (Some(hit.primitive), hit.t);
+        vertex.point = array(surface.point);
+        vertex.normal = array(material.ns.flip_sign(surface.facing));
+        vertex.emitted = array(surface_radiance::<f32, ALL, false>(&path, &surface, &material));
+    }
+    vertices.push(vertex);
+}

@@ -10,6 +10,7 @@ use super::numbers::seconds;
 use super::picture::PictureOptions;
 use crate::checkpoint::{CheckpointError, Shard, is_checkpoint};
 use crate::output::{self, Existing, Format};
+use std::collections::HashSet;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -200,6 +201,18 @@ fn check_checkpoint(option: &str, file: &Path, what: &str) -> Result<(), CliErro
     output::check(file, Existing::Replace)?;
     if file.exists() && !is_checkpoint(file) {
         return Err(CheckpointError::NotACheckpoint { path: file.to_owned() }.into());
+    }
+    Ok(())
+}
+
+/// Refuses to replace a file that the scene was read from.
+pub fn keep_files(jobs: &[Job], of_scene: &[PathBuf]) -> Result<(), CliError> {
+    let kept: HashSet<PathBuf> =
+        of_scene.iter().filter(|file| file.exists()).map(|file| place(file)).collect();
+    let mut files = jobs.iter().flat_map(|job| std::iter::once(&job.output).chain(&job.samples_map));
+    if let Some(file) = files.find(|file| kept.contains(&place(file))) {
+        let instead = "the scene reads this file, which would be replaced: give another name";
+        return Err(refuse("the output", file.display(), instead));
     }
     Ok(())
 }

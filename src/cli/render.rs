@@ -4,7 +4,7 @@ use super::checkpoint::CheckpointWriter;
 use super::error::{CliError, INTERRUPTED, refuse};
 use super::groups::warn_of_lost_hierarchy;
 use super::interrupt;
-use super::jobs::{Job, RenderOptions, is_same, jobs, refuse_shard};
+use super::jobs::{Job, RenderOptions, is_same, jobs, keep_files, refuse_shard};
 use super::limits::Limits;
 use super::memory;
 use super::picture::of_view;
@@ -35,6 +35,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     // Outputs are checked before hours of rendering.
     let jobs = jobs(&options)?;
     let scene = scenes::load_with_warnings(&options.scene)?;
+    keep_files(&jobs, &scene.files)?;
     let cameras = cameras(&options, &jobs, &scene)?;
     let limits = options.limits.limits(of_view(&scene).samples)?;
     // Options alone get the warning: a view's are for files of any format.

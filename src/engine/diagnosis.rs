@@ -57,7 +57,8 @@ fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>)
     let camera = renderer.camera().origin::<f32>().get(0);
     let is_around = |sphere: &Sphere| {
         let material = &scene.materials[sphere.material as usize];
-        let is_opaque = !matches!(material.kind, MaterialKind::Glass { .. }) && !material.emits();
+        let is_glass = matches!(material.kind, MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. });
+        let is_opaque = !is_glass && !material.emits();
         is_opaque && sphere.center.distance(camera) < sphere.radius
     };
     if let Some(more) = more {

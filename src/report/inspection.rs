@@ -248,7 +248,7 @@ pub fn type_of(kind: MaterialKind) -> &'static str {
     match kind {
         MaterialKind::Diffuse => "diffuse",
         MaterialKind::Metal { .. } => "metal",
-        MaterialKind::Glass { .. } => "glass",
+        MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => "glass",
         MaterialKind::Scatter { .. } => "scatter",
         MaterialKind::Plastic { .. } => "plastic",
         MaterialKind::MetalRough { .. } => "metal-rough",

@@ -14,7 +14,9 @@ pub use octray::math::{self, MISS, Ray};
 pub use octray::reference::{PathSettings, Reference};
 pub use octray::render::{PipelineChoice, Renderer, Settings};
 pub use octray::sampling::Sampler;
-pub use octray::scene::MaterialKind::{Diffuse, Emitter, Glass, Metal, MetalRough, Plastic, Scatter};
+pub use octray::scene::MaterialKind::{
+    Diffuse, Emitter, Glass, Metal, MetalRough, Plastic, Scatter, ThinGlass,
+};
 pub use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
 };
@@ -60,12 +62,13 @@ pub fn camera(position: Vec3, look_at: Vec3, vertical_fov: f32) -> Camera {
 }
 
 /// Every kind of material that scatters, rough and smooth.
-pub const KINDS: [MaterialKind; 10] = [
+pub const KINDS: [MaterialKind; 11] = [
     Diffuse,
     Metal { roughness: 0.0 },
     Metal { roughness: 0.5 },
     Glass { ior: 1.5 },
     Glass { ior: 0.7 },
+    ThinGlass { ior: 1.5 },
     Scatter { roughness: 0.8 },
     Plastic { roughness: 0.0, ior: 1.5 },
     Plastic { roughness: 0.4, ior: 1.8 },

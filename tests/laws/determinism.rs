@@ -91,6 +91,7 @@ fn everything_of(triangles: usize) -> Scene {
         Plastic { roughness: 0.5, ior: 1.7 },
         MetalRough { roughness: 0.6, metallic: 0.4, ior: 1.5 },
         MetalRough { roughness: 0.0, metallic: 0.0, ior: 1.5 },
+        ThinGlass { ior: 1.5 },
     ];
     let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
     materials[0].texture = Some(0);

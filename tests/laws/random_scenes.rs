@@ -44,7 +44,10 @@ fn kind(rng: &mut Rng) -> MaterialKind {
             let ior = of(rng, &[ior, ior, 1.0, 1e6]);
             MetalRough { roughness, metallic, ior }
         }
-        5 => Glass { ior: of(rng, &[ior, 1.0 / ior, 1.0, 1e-3, 1e3]) },
+        5 => {
+            let ior = of(rng, &[ior, 1.0 / ior, 1.0, 1e-3, 1e3]);
+            of(rng, &[Glass { ior }, ThinGlass { ior }])
+        }
         6 => Scatter { roughness: rng.scale(1e-3, 1e3) as f32 },
         _ => Emitter,
     }

@@ -43,7 +43,7 @@ const SAMPLES: u32 = 32;
 fn white_furnace_is_exactly_white_where_every_weight_is_one() {
     // Throughput is a product of ones, the sky is 1, and a sum of n ones divided by n is 1: no rounding
     // anywhere. A path that is lost (absorbed below the surface, caught in it, cut off) would show as 31/32.
-    for kind in [Diffuse, Metal { roughness: 0.0 }] {
+    for kind in [Diffuse, Metal { roughness: 0.0 }, ThinGlass { ior: 1.5 }, ThinGlass { ior: 0.7 }] {
         for lanes in WIDTHS {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, lanes);
             assert!(channels(&picture).all(|x| x == 1.0), "{kind:?}");

@@ -4,6 +4,7 @@ use crate::desk::Desk;
 use octray::lane::NATIVE_WIDTH;
 use predicates::prelude::*;
 use predicates::str::contains;
+use std::fs;
 
 #[test]
 fn render_writes_the_file_and_says_so_in_a_line() {
@@ -226,4 +227,17 @@ fn warnings_are_the_same_for_any_number_of_threads() {
     };
     assert!(!told(1, 1).is_empty());
     assert_eq!(told(1, 1), told(3, 8));
+}
+
+#[test]
+fn render_replaces_no_file_of_its_own_scene() {
+    let desk = Desk::new();
+    desk.put_textured_model();
+    let before = fs::read(desk.path("models/paper.png")).unwrap();
+    for files in ["-o models/../models/paper.png", "-o a.png --samples-map models/paper.png"] {
+        let line = format!("render models/m.obj --target-error 1 {files}");
+        desk.refuses(&line, &["paper.png", "the scene reads this file", "another name"]);
+    }
+    assert_eq!(fs::read(desk.path("models/paper.png")).unwrap(), before);
+    desk.run("render models/m.obj -o models/other.png --samples 1 --size 4x4");
 }

@@ -410,8 +410,6 @@ fn textures_that_cannot_be_used_are_refused() {
         .unwrap();
     fs::write(folder.path().join("cut.png"), &png[..png.len() / 2]).unwrap();
     let mut dark = [[0.0; 3]; 4];
-    dark[1][1] = -1.0;
-    crate::openexr::write(&folder.path().join("negative.exr"), 2, &dark);
     dark[1][1] = f32::NAN;
     crate::openexr::write(&folder.path().join("nan.exr"), 2, &dark);
     let cases = [
@@ -419,7 +417,6 @@ fn textures_that_cannot_be_used_are_refused() {
         ("text.png", "broken"),
         ("cut.png", "broken"),
         ("folder.png", "folder"),
-        ("negative.exr", "column 1, row 0 holds -1"),
         ("nan.exr", "column 1, row 0 holds NaN"),
     ];
     for (name, what) in cases {

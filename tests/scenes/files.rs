@@ -44,7 +44,7 @@ fn native_example_of_the_design_keeps_every_value() {
         "materials": {
           "clay":   { "type": "diffuse", "color": [0.8,0.5,0.3], "texture": "clay.png", "filter": "nearest" },
           "chrome": { "type": "metal", "color": [0.9,0.9,0.9], "roughness": 0.1 },
-          "pane":   { "type": "glass", "ior": 1.33 },
+          "pane":   { "type": "glass", "ior": 1.33, "thin": true },
           "old":    { "type": "scatter", "color": [1,1,1], "roughness": 2.5 },
           "lamp":   { "type": "diffuse", "color": [0,0,0], "emission": [15,14,13] }
         },
@@ -58,7 +58,7 @@ fn native_example_of_the_design_keeps_every_value() {
     assert_eq!((scene.resolution, scene.max_bounces), ([320, 180], 7));
     assert_eq!(scene.sky, Sky::Color(vec3(0.5, 0.7, 1.0)));
     let kinds: Vec<MaterialKind> = scene.materials.iter().map(|material| material.kind).collect();
-    let [metal, glass] = [MaterialKind::Metal { roughness: 0.1 }, MaterialKind::Glass { ior: 1.33 }];
+    let [metal, glass] = [MaterialKind::Metal { roughness: 0.1 }, MaterialKind::ThinGlass { ior: 1.33 }];
     let scatter = MaterialKind::Scatter { roughness: 2.5 };
     assert_eq!(kinds, [MaterialKind::Diffuse, metal, glass, scatter, MaterialKind::Diffuse]);
     assert_eq!(scene.materials[2].color, Vec3::ONE);

@@ -10,6 +10,7 @@ mod errors;
 mod files;
 mod gltf;
 mod hostile;
+mod images;
 mod obj;
 mod output;
 mod ply;

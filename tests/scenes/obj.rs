@@ -26,7 +26,7 @@ const ONE: &str = "v 0 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3\n";
 fn obj_alone_is_framed_under_a_plain_sky() {
     let scene = load_obj("v -1 -1 -1\nv 3 -1 -1\nv 3 5 2\nf 1 2 3\n");
     assert_eq!(scene.name, "m.obj");
-    assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
+    assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 8));
     // Brighter above than below, and grey: form shows, colours stay.
     let Sky::Gradient { bottom, top } = scene.sky else { panic!("{:?}", scene.sky) };
     assert_eq!((top, bottom), (Vec3::ONE, Vec3::splat(bottom.x)));

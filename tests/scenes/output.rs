@@ -97,6 +97,12 @@ fn exr_holds_every_bit() {
     let tone = Tone { exposure: 3.0, operator: Operator::Aces };
     let folder = Folder::new();
     folder.write("a.exr", encoded(&all, Format::Exr, &tone).into_inner());
+    // What every reader knows: `compression` 3 (ZIP), `lineOrder` 0 (increasing y), no tiles.
+    let bytes = folder.bytes("a.exr");
+    let value =
+        |key: &[u8]| bytes[bytes.windows(key.len()).position(|at| at == key).unwrap() + key.len() + 4];
+    let found = [value(b"compression\0compression\0"), value(b"lineOrder\0lineOrder\0"), bytes[5] & 2];
+    assert_eq!(found, [3, 0, 0]);
     let (width, height, pixels) = crate::openexr::read(&folder.path("a.exr"));
     assert_eq!((width, height), (12, 3));
     let bits =

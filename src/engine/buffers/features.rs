@@ -133,7 +133,7 @@ impl Features {
                 MaterialKind::Diffuse => need(true, Self::DIFFUSE),
                 MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),
                 MaterialKind::Metal { .. } => need(true, Self::GGX),
-                MaterialKind::Glass { .. } => need(true, Self::GLASS),
+                MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => need(true, Self::GLASS),
                 MaterialKind::Scatter { .. } => need(true, Self::SCATTER),
                 MaterialKind::Plastic { .. } => need(true, Self::PLASTIC),
                 MaterialKind::MetalRough { .. } => need(true, Self::METAL_ROUGH),

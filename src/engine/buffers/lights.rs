@@ -200,7 +200,7 @@ impl Lights {
 /// Whether some surface scatters light into other directions than those of mirror reflection and refraction.
 fn anything_scatters(scene: &Scene) -> bool {
     scene.materials.iter().any(|material| match material.kind {
-        MaterialKind::Emitter | MaterialKind::Glass { .. } => false,
+        MaterialKind::Emitter | MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => false,
         MaterialKind::Metal { roughness } => roughness > 0.0,
         _ => true,
     })

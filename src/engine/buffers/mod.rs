@@ -112,7 +112,7 @@ impl MaterialCode {
     pub const KIND: u32 = 0xff;
 
     /// The code of a material, and its parameter: alpha of GGX, plastic's coat and metal-rough, index of
-    /// refraction of glass, roughness of scatter.
+    /// refraction of glass (negated: thin glass), roughness of scatter.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -120,6 +120,7 @@ impl MaterialCode {
             MaterialKind::Metal { roughness: 0.0 } => (Self::MIRROR, 0.0),
             MaterialKind::Metal { roughness } => (Self::GGX, roughness * roughness),
             MaterialKind::Glass { ior } => (Self::GLASS, ior),
+            MaterialKind::ThinGlass { ior } => (Self::GLASS, -ior),
             MaterialKind::Scatter { roughness } => (Self::SCATTER, roughness),
             MaterialKind::Plastic { roughness, .. } => (Self::PLASTIC, roughness * roughness),
             MaterialKind::MetalRough { roughness, .. } => (Self::METAL_ROUGH, roughness * roughness),

@@ -189,17 +189,25 @@ pub fn follow_delta<L: Lane, const N: u32>(
 ) -> (Ray<L>, Vec3<L>, L::Mask) {
     let normals = FacingNormals::of::<N>(d, surface, material);
     let FacingNormals { ng, ns_specular, outside, .. } = normals;
-    let mut sample = bsdf::mirror::sample(d, ns_specular);
+    let (mut sample, mut color) = (bsdf::mirror::sample(d, ns_specular), material.color);
     let glass = material.has_lobe(MaterialCode::GLASS, found);
     if glass.any() {
         let either = bsdf::glass::sample(d, ns_specular, outside, material.roughness_or_ior, L::splat(0.5));
         sample.wi = Vec3::select(glass, either.wi, sample.wi);
         sample.weight = L::select(glass, either.weight, sample.weight);
+        color = glass_color(material, glass, ng, sample.wi);
         resolve_refraction::<L, N>(d, &normals, material, &mut sample);
     }
     let refracts = glass & sample.wi.dot(ng).lt(L::zero());
     let ray = leave::<L, N>(surface, material, ng, sample.wi, (found, L::Mask::splat(true)));
-    (ray, material.color * sample.weight, refracts)
+    (ray, color * sample.weight, refracts)
+}
+
+/// The colour of glass (the lanes of `mask`) in the sampled direction: thin glass reflects white.
+#[inline(always)]
+fn glass_color<L: Lane>(material: &MaterialSample<L>, mask: L::Mask, ng: Vec3<L>, wi: Vec3<L>) -> Vec3<L> {
+    let white = mask & bsdf::glass::is_thin(material.roughness_or_ior) & L::zero().lt(wi.dot(ng));
+    Vec3::select(white, Vec3::repeat(L::one()), material.color)
 }
 
 /// Samples each lobe in its lanes.
@@ -256,7 +264,10 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     fn glass(&mut self, mask: L::Mask) {
         let FacingNormals { ns_specular, outside, .. } = *self.normals;
         let (ior, number) = (self.material.roughness_or_ior, self.lobe_number());
-        self.take(mask, bsdf::glass::sample(self.d, ns_specular, outside, ior, number));
+        let sample = bsdf::glass::sample(self.d, ns_specular, outside, ior, number);
+        let color = glass_color(self.material, mask, self.normals.ng, sample.wi);
+        self.take(mask, sample);
+        self.color = Vec3::select(mask, color, self.color);
     }
     #[inline(always)]
     fn scatter(&mut self, mask: L::Mask) {

@@ -9,7 +9,7 @@ pub struct Material {
     pub name: String,
     /// How it scatters.
     pub kind: MaterialKind,
-    /// Reflectance (transmittance of glass), each channel in [0, 1].
+    /// Reflectance, each channel in [0, 1]; transmittance of glass.
     pub color: Vec3,
     /// Multiplies `color`; of an [`MaterialKind::Emitter`], multiplies `emission`.
     pub texture: Option<u32>,
@@ -60,7 +60,7 @@ impl MaterialKind {
             }
             // The map holds the metallic share too.
             Self::MetalRough { .. } => true,
-            Self::Diffuse | Self::Glass { .. } | Self::Emitter => false,
+            Self::Diffuse | Self::Glass { .. } | Self::ThinGlass { .. } | Self::Emitter => false,
         }
     }
 }
@@ -77,6 +77,9 @@ pub enum MaterialKind {
     /// Smooth dielectric with the index of refraction `ior` > 0 inside and vacuum outside; `color` scales
     /// transmission and reflection.
     Glass { ior: f32 },
+    /// A pane of glass without thickness: reflects as both its surfaces together, and transmits the rest,
+    /// times `color`, straight on. `ior` > 0.
+    ThinGlass { ior: f32 },
     /// The thesis's lobe: direction = normalize(reflected + roughness · u), u uniform on the unit sphere;
     /// absorbed where it points below the surface. Roughness ≥ 0.
     Scatter { roughness: f32 },

@@ -106,14 +106,14 @@ impl SceneBuilder {
         self.triangles.push(Triangle { vertices, material });
         true
     }
-    /// The variant of a material whose triangles have vertex colours; `None` where textures or emission
-    /// already take the texture's place.
+    /// The variant of a material whose triangles have vertex colours, which multiply the emission of an
+    /// emitter; `None` where textures already take their place.
     pub fn colored(&mut self, material: u32) -> Option<u32> {
         if let Some(&known) = self.colors.materials.get(&material) {
             return Some(known);
         }
         let plain = &self.materials[material as usize];
-        if plain.textures().next().is_some() || plain.kind == MaterialKind::Emitter {
+        if plain.textures().next().is_some() {
             return None;
         }
         let texture = Some(self.colors.texture(&mut self.textures));
@@ -180,6 +180,7 @@ impl SceneBuilder {
     ) -> Result<Scene, SceneError> {
         self.check_room(0)?;
         self.colors.lay_out(&mut self.textures.list, &mut self.uvs)?;
+        std::mem::take(&mut self.textures.left_out).into_iter().for_each(|what| self.warn(what));
         if sky.is_black() && !self.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }

@@ -158,7 +158,7 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
         MaterialKind::Diffuse => ("diffuse", vec![]),
         MaterialKind::Metal { roughness } => ("metal", vec![("roughness", roughness)]),
         MaterialKind::Scatter { roughness } => ("scatter", vec![("roughness", roughness)]),
-        MaterialKind::Glass { ior } => ("glass", vec![("ior", ior)]),
+        MaterialKind::Glass { ior } | MaterialKind::ThinGlass { ior } => ("glass", vec![("ior", ior)]),
         MaterialKind::Plastic { roughness, ior } => ("plastic", vec![("roughness", roughness), ("ior", ior)]),
         MaterialKind::MetalRough { roughness, metallic, ior } => {
             ("metal-rough", vec![("roughness", roughness), ("metallic", metallic), ("ior", ior)])
@@ -169,6 +169,9 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
     let mut keys: Map<String, Value> = numbers.collect();
     let mut set = |key: &str, value: Value| keys.insert(key.to_string(), value);
     set("type", json!(kind));
+    if matches!(material.kind, MaterialKind::ThinGlass { .. }) {
+        set("thin", json!(true));
+    }
     if material.kind != MaterialKind::Emitter {
         set("color", channels(material.color));
     }

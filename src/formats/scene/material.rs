@@ -41,6 +41,7 @@ pub fn material(
             metallic: place.key("metallic").fraction(file.metallic.unwrap_or(1.0))?,
             ior: ior()?,
         },
+        "glass" if file.thin == Some(true) => MaterialKind::ThinGlass { ior: ior()? },
         "glass" => MaterialKind::Glass { ior: ior()? },
         "scatter" => {
             MaterialKind::Scatter { roughness: place.key("roughness").not_negative(stated_roughness)? }
@@ -85,13 +86,14 @@ const NOT_EMISSION: &str = "make it the `texture`, which multiplies the emission
 const NO_INDEX: &str = "remove it, or make the type `glass`, `plastic` or `metal-rough`";
 
 /// Each key that some types lack, the types that it belongs to, and the remedy for others.
-const RULES: [(&str, &[&str], &str); 7] = [
+const RULES: [(&str, &[&str], &str); 8] = [
     ("roughness", ROUGH, NOT_ROUGH),
     ("roughness_map", ROUGH, NOT_ROUGH),
     ("metallic", &["metal-rough"], "remove it, or make the type `metal-rough`"),
     ("normal_map", SCATTERING, "remove it: an emitter scatters nothing"),
     ("emission_map", SCATTERING, NOT_EMISSION),
     ("ior", &["glass", "plastic", "metal-rough"], NO_INDEX),
+    ("thin", &["glass"], "remove it, or make the type `glass`"),
     ("color", SCATTERING, "remove it: an emitter scatters nothing; its light is `emission`"),
 ];
 
@@ -103,7 +105,7 @@ pub fn takes(material_type: &str, key: &str) -> bool {
 
 /// Is this a key of materials, by any of its names?
 pub fn is_key(word: &str) -> bool {
-    let keys = ["color", "emission", "roughness", "metallic", "ior", "texture", "normal_map"];
+    let keys = ["color", "emission", "roughness", "metallic", "ior", "thin", "texture", "normal_map"];
     keys.contains(&word) || !did_you_mean(word, &keys).is_empty()
 }
 
@@ -121,6 +123,7 @@ fn check_keys(file: &MaterialFile, place: &JsonPath) -> Result<(), SceneError> {
         "normal_map" => file.normal_map.is_some(),
         "emission_map" => file.emission_map.is_some(),
         "ior" => file.ior.is_some(),
+        "thin" => file.thin.is_some(),
         _ => file.color.is_some(),
     };
     let misplaced = RULES.iter().filter(|(key, types, _)| is_there(key) && !types.contains(&name));

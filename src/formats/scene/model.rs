@@ -2,7 +2,7 @@
 //!
 //! For: [`is_model`], [`read`], [`scene`].
 
-use super::builder::{DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
+use super::builder::{DEFAULT_RESOLUTION, SceneBuilder};
 use super::error::SceneError;
 use super::files::{Files, has_extension};
 use super::gltf::{self, Gltf};
@@ -65,6 +65,10 @@ impl Model {
 /// facing up, sideways and down differ. Under a sky of one colour a diffuse shape shows only its creases.
 const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
 
+/// The scattering events on a path in a model that is loaded as a scene: light passes both sides of two panes
+/// and comes back.
+const BOUNCES: u32 = 8;
+
 /// A model as a scene, under a plain sky: seen by its own camera, or framed automatically.
 pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<Scene, SceneError> {
     let fault = |what: String, mend: &str| SceneError::new(what).in_file(path).mend(mend);
@@ -90,7 +94,5 @@ pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<S
         let mend = "scale the model up, or move it nearer to the origin";
         return Err(fault(format!("the mesh cannot be framed: {what}"), mend));
     }
-    builder
-        .finish(name, camera, DEFAULT_RESOLUTION, DEFAULT_BOUNCES, SKY)
-        .map_err(|error| error.in_file(path))
+    builder.finish(name, camera, DEFAULT_RESOLUTION, BOUNCES, SKY).map_err(|error| error.in_file(path))
 }

@@ -4,7 +4,9 @@
 
 use super::files::Files;
 use crate::openexr;
-use image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
+use crate::wording::counted;
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use octray_engine::film::Picture;
 use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
 use std::collections::HashMap;
@@ -28,6 +30,8 @@ pub struct Textures {
     /// Where they come from.
     pub files: Files,
     pub list: Vec<Texture>,
+    /// What of image files is left out, as full sentences.
+    pub left_out: Vec<String>,
     bytes: usize,
     known: HashMap<(PathBuf, Filter, TexelKind), u32>,
 }
@@ -60,7 +64,9 @@ impl Textures {
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
-        let (width, height, texels) = decode(&content()?, path, texel_kind)?;
+        let mut left_out = Vec::new();
+        let (width, height, texels) = decode(&content()?, path, texel_kind, &mut left_out)?;
+        self.left_out.extend(left_out.into_iter().map(|what| format!("{}: {what}.", path.display())));
         self.add(key, Texture { name: name.to_string(), width, height, filter, texels: change(texels) })
     }
     fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> Result<u32, String> {
@@ -75,7 +81,16 @@ impl Textures {
     }
 }
 
-fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32, Texels), String> {
+fn decode(
+    bytes: &[u8],
+    path: &Path,
+    texel_kind: TexelKind,
+    left_out: &mut Vec<String>,
+) -> Result<(u32, u32, Texels), String> {
+    // The first line of a Radiance file may name any program: `#?RADIANCE`, `#?RGBE`.
+    let is_radiance = bytes.starts_with(b"#?");
+    let named = if is_radiance { [b"#?RADIANCE", &bytes[2..]].concat() } else { Vec::new() };
+    let bytes = if is_radiance { &named } else { bytes };
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
     // TGA has no magic number: its extension decides.
@@ -85,11 +100,12 @@ fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32,
         reader.set_format(format);
     }
     if reader.format() == Some(ImageFormat::OpenExr) {
-        let Picture { width, height, pixels } = openexr::read(bytes, MAX_IMAGE_BYTES / 12).map_err(broken)?;
+        let (Picture { width, height, pixels }, others) = openexr::read(bytes, MAX_IMAGE_BYTES / 12)?;
+        left_out.extend(others);
         if width.max(height) > MAX_IMAGE_SIDE {
             return Err(too_large());
         }
-        return Ok((width, height, linear_texels(width, pixels)?));
+        return Ok((width, height, linear_texels(width, pixels, left_out)?));
     }
     let mut limits = Limits::no_limits();
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_SIDE), Some(MAX_IMAGE_SIDE));
@@ -106,23 +122,77 @@ fn decode(bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<(u32, u32,
     }
     let texels = match format {
         ImageFormat::Hdr => {
+            note_header(bytes, left_out);
             let picture = picture.into_rgb32f();
-            linear_texels(width, picture.pixels().map(|pixel| pixel.0).collect())?
+            linear_texels(width, picture.pixels().map(|pixel| pixel.0).collect(), left_out)?
         }
-        _ => display_texels(picture, texel_kind),
+        _ => {
+            if texel_kind == TexelKind::Color {
+                note_colors(bytes, format, &picture, left_out);
+            }
+            display_texels(picture, texel_kind)
+        }
     };
     Ok((width, height, texels))
 }
 
-/// HDR and EXR already hold linear values.
-fn linear_texels(width: u32, pixels: Vec<[f32; 3]>) -> Result<Texels, String> {
+/// What of a Radiance file's header would change its colours.
+fn note_header(bytes: &[u8], left_out: &mut Vec<String>) {
+    for line in bytes.split(|&byte| byte == b'\n').take_while(|line| !line.is_empty()) {
+        let line = String::from_utf8_lossy(line);
+        let Some((key @ ("EXPOSURE" | "COLORCORR"), value)) = line.split_once('=') else { continue };
+        if value.split_whitespace().any(|factor| factor.parse() != Ok(1.0_f32)) {
+            left_out.push(format!("its `{key}` is not undone"));
+        }
+    }
+}
+
+/// What of a picture would change its colours: transparency, turning, and another meaning of its values.
+fn note_colors(bytes: &[u8], format: ImageFormat, picture: &DynamicImage, left_out: &mut Vec<String>) {
+    let has_alpha = picture.color().has_alpha();
+    let is_transparent = has_alpha && picture.to_rgba16().pixels().any(|pixel| pixel[3] < u16::MAX);
+    let Ok(mut decoder) = ImageReader::with_format(Cursor::new(bytes), format).into_decoder() else { return };
+    let is_turned = decoder.orientation().is_ok_and(|turn| turn != Orientation::NoTransforms);
+    let profile = decoder.icc_profile().ok().flatten();
+    // Profiles have names in ASCII or UTF-16.
+    let is_srgb =
+        |profile: &Vec<u8>| profile.windows(7).any(|at| at.starts_with(b"sRGB") || at == b"s\0R\0G\0B");
+    let mut is_other = profile.as_ref().is_some_and(|profile| !is_srgb(profile));
+    if format == ImageFormat::Png
+        && profile.is_none()
+        && let Ok(reader) = png::Decoder::new(Cursor::new(bytes)).read_info()
+    {
+        let png::Info { srgb, gama_chunk: gamma, coding_independent_code_points: codes, .. } = reader.info();
+        is_other = codes.is_some_and(|codes| (codes.color_primaries, codes.transfer_function) != (1, 13))
+            || srgb.is_none() && gamma.is_some_and(|gamma| (gamma.into_value() - 1.0 / 2.2).abs() > 0.01);
+    }
+    for (is_left_out, what) in [
+        (is_transparent, "its transparency is left out"),
+        (is_turned, "its EXIF orientation is left out: turn the picture itself"),
+        (is_other, "its colour profile, or gamma, is left out: it is read as sRGB"),
+    ] {
+        if is_left_out {
+            left_out.push(what.to_string());
+        }
+    }
+}
+
+/// HDR and EXR already hold linear values. Filters leave some a little below 0.
+fn linear_texels(width: u32, pixels: Vec<[f32; 3]>, left_out: &mut Vec<String>) -> Result<Texels, String> {
     for (index, pixel) in pixels.iter().enumerate() {
-        if let Some(bad) = pixel.iter().find(|channel| !(channel.is_finite() && **channel >= 0.0)) {
+        if let Some(bad) = pixel.iter().find(|channel| !channel.is_finite()) {
             let (x, y) = (index % width as usize, index / width as usize);
             return Err(format!("the pixel in column {x}, row {y} holds {bad}, which is not a radiance"));
         }
     }
-    Ok(Texels::Float32(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect()))
+    let lowest = pixels.iter().flatten().fold(0.0, |lowest: f32, channel| lowest.min(*channel));
+    if lowest < 0.0 {
+        let negative = pixels.iter().filter(|pixel| pixel.iter().any(|channel| *channel < 0.0)).count();
+        let pixels = counted(negative, "pixel", "pixels");
+        left_out.push(format!("{pixels} below 0 became 0: the lowest holds {lowest:e}"));
+    }
+    let texel = |[r, g, b]: [f32; 3]| [r.max(0.0), g.max(0.0), b.max(0.0), 0.0];
+    Ok(Texels::Float32(pixels.into_iter().map(texel).collect()))
 }
 
 fn too_large() -> String {

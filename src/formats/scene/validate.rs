@@ -182,7 +182,7 @@ impl<'a> Loader<'a> {
         let reflectance = |place: &JsonPath, color| place.reflectance(color);
         let colors = file.colors.map(|colors| at_colors.each(colors, reflectance)).transpose()?;
         if colors.is_some() && self.builder.colored(material).is_none() {
-            let what = "`colors` on a triangle whose material has textures or scatters nothing";
+            let what = "`colors` on a triangle whose material has textures";
             return Err(at_colors.error(what, "remove `colors`, or use a material without textures"));
         }
         if self.builder.add_triangle(vertices, material, Attributes { uvs, normals, colors }) {

@@ -21,12 +21,17 @@ pub(super) fn sample(
     let Normals { ng, ns_specular, ns_diffuse, .. } = *normals;
     let (towards, weight, is_delta) = sample_lobe(kind, rougher, color, d, normals, number)?;
     let horizon = if is_delta { ng } else { normals.horizon };
-    if !normals.has_ns || towards.dot(ng) < 0.0 && matches!(kind, MaterialKind::Glass { .. }) {
+    if !normals.has_ns || towards.dot(ng) < 0.0 && is_glass(kind) {
         return Some((towards, weight, is_delta));
     }
     let ns = if kind == MaterialKind::Diffuse { ns_diffuse } else { ns_specular };
     let shadow = if is_delta { 1.0 } else { terminator(towards, ns, horizon) };
     (towards.dot(horizon) > 0.0).then_some((towards, weight * shadow, is_delta))
+}
+
+/// Whether light goes through it.
+pub(super) fn is_glass(kind: MaterialKind) -> bool {
+    matches!(kind, MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. })
 }
 
 /// The normals at a hit, all on the side from which the ray arrives.
@@ -126,6 +131,14 @@ fn sample_lobe(
                 Some((refracted, eta * eta))
             }
         }
+        MaterialKind::ThinGlass { ior } => {
+            // Two surfaces with all reflections between them; what is transmitted goes straight on.
+            let cos_i = (-d.dot(n)).clamp(0.0, 1.0);
+            let cos2_t = 1.0 - (1.0 - cos_i * cos_i) / f64::from(ior).powi(2);
+            let once = if cos2_t <= 0.0 { 1.0 } else { reflected(f64::from(ior), cos_i) };
+            let reflects = number(LOBE) < 2.0 * once / (1.0 + once);
+            return Some(if reflects { (reflect(d, n), DVec3::ONE, true) } else { (d, color, true) });
+        }
         MaterialKind::Scatter { roughness } => {
             let roughness = f64::from(roughness) * rougher;
             is_delta = roughness < NARROWEST_CONE;
@@ -159,7 +172,7 @@ pub(super) fn width(kind: MaterialKind, rougher: f64) -> f64 {
         MaterialKind::Plastic { roughness, .. } | MaterialKind::MetalRough { roughness, .. } => {
             if alpha(roughness) < NARROWEST_ALPHA { 1.0 } else { alpha(roughness) }
         }
-        MaterialKind::Glass { .. } | MaterialKind::Emitter => 0.0,
+        MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } | MaterialKind::Emitter => 0.0,
     }
 }
 
@@ -174,7 +187,7 @@ struct Coat {
     transmitted: f64,
 }
 
-/// Fresnel reflectance of the coat at a cosine.
+/// Fresnel reflectance from outside at a cosine, without total reflection.
 fn reflected(ior: f64, cos: f64) -> f64 {
     let cos_t = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
     fresnel(1.0 / ior, cos, cos_t)

@@ -153,7 +153,7 @@ impl Reference {
                 break;
             };
             throughput *= weight;
-            if !matches!(kind, MaterialKind::Glass { .. }) {
+            if !lobes::is_glass(kind) {
                 spread += 2.0 * surface.curvature.copysign(cosine) * length;
             }
             if !is_delta {

@@ -154,18 +154,21 @@ fn glass_ball_lets_its_centred_ray_straight_through() {
     }
 }
 
-/// Within glass of index n, radiance is n² times what it was outside; Snell's law says where it comes from.
+/// Within glass of index n, radiance is n² times what it was outside; Snell's law says where it comes from. A
+/// thin pane reflects as two surfaces do, white, and bends nothing.
 #[test]
 fn glass_wall_bends_by_snell_and_compresses_by_eta_squared() {
-    let ior = 1.5f32;
-    let scene = wall(Glass { ior });
     let position = vec3(0.0, 3.0, 4.0);
     // Light comes from below z = 0, inside the glass, with a gradient that tells its direction.
-    let judge = Reference::new(&Scene {
-        camera: Camera { position, ..scene.camera },
-        sky: Sky::Gradient { bottom: Vec3::ZERO, top: Vec3::ONE },
-        ..scene
-    });
+    let judge = |kind, color| {
+        let scene = wall(kind);
+        Reference::new(&Scene {
+            camera: Camera { position, ..scene.camera },
+            sky: Sky::Gradient { bottom: Vec3::ZERO, top: Vec3::ONE },
+            materials: vec![Material { color, ..material(kind) }],
+            ..scene
+        })
+    };
     let sin_i = 0.6;
     let into_glass = 0.5 * (1.0 - sin_i / 1.5) / 2.25;
     let mirrored = 0.5 * (1.0 - sin_i);
@@ -173,15 +176,22 @@ fn glass_wall_bends_by_snell_and_compresses_by_eta_squared() {
     let perpendicular = (cos_i - 1.5 * cos_t) / (cos_i + 1.5 * cos_t);
     let parallel = (1.5 * cos_i - cos_t) / (1.5 * cos_i + cos_t);
     let fresnel = 0.5 * (perpendicular * perpendicular + parallel * parallel);
-    let mut reflections = 0;
-    for sample in 0..20_000 {
-        let value = judge.path(one_pixel(1), 0, 0, sample)[0];
-        let reflected = (value - mirrored).abs() < 1e-6;
-        assert!(reflected || (value - into_glass).abs() < 1e-6, "{value}");
-        reflections += u32::from(reflected);
+    let both = 2.0 * fresnel / (1.0 + fresnel);
+    for (kind, color, through, share) in [
+        (Glass { ior: 1.5 }, 1.0, into_glass, fresnel),
+        (ThinGlass { ior: 1.5 }, 0.25, 0.25 * mirrored, both),
+    ] {
+        let judge = judge(kind, Vec3::splat(color));
+        let mut reflections = 0;
+        for sample in 0..20_000 {
+            let value = judge.path(one_pixel(1), 0, 0, sample)[0];
+            let reflected = (value - mirrored).abs() < 1e-6;
+            assert!(reflected || (value - through).abs() < 1e-6, "{kind:?}: {value}");
+            reflections += u32::from(reflected);
+        }
+        let error = (share * (1.0 - share) / 20_000.0).sqrt();
+        assert!((f64::from(reflections) / 20_000.0 - share).abs() < 4.0 * error, "{kind:?}");
     }
-    let error = (fresnel * (1.0 - fresnel) / 20_000.0).sqrt();
-    assert!((f64::from(reflections) / 20_000.0 - fresnel).abs() < 4.0 * error);
 }
 
 /// From inside glass at 60°: total reflection, always.

@@ -46,19 +46,40 @@ fn what_is_left_out_is_said_with_its_place() {
     let light = json!({ "KHR_lights_punctual": { "light": 0 } });
     let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": {} } });
     let sheen = json!({ "KHR_materials_sheen": {} });
+    let clear = json!({ "KHR_materials_transmission": { "transmissionFactor": 0.9 },
+        "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2 } });
+    let variants = json!({ "KHR_materials_variants": { "variants": [] } });
+    let cameras = json!([{ "type": "orthographic" }, { "type": "orthographic" }]);
+    let dielectric = json!({ "metallicFactor": 0, "extensions": { "VENDOR_tint": {} } });
     let gone = json!({ "baseColorTexture": { "index": 3 } });
     let animation = json!([{ "channels": [], "samplers": [] }]);
     for (path, value, place, what) in [
         ("animations", animation, "animations[0]", "not played"),
-        ("nodes/0/extensions", light, "nodes[0].extensions", "KHR_lights_punctual"),
-        ("meshes/0/primitives/0/extensions", draco, "meshes[0].primitives[0]", "draco"),
+        ("nodes/0/extensions", light, "nodes[0].extensions.KHR_lights_punctual", "light comes from"),
+        ("extensions", variants, "extensions.KHR_materials_variants", "left out"),
+        ("cameras", cameras, "cameras", "several cameras"),
+        ("materials/0/occlusionTexture", json!({ "index": 0 }), "materials[0].occlusionTexture", "occlusion"),
+        (
+            "meshes/0/primitives/0/extensions",
+            draco,
+            "meshes[0].primitives[0].extensions.KHR_draco_mesh_compression",
+            "uncompressed copy",
+        ),
         ("meshes/0/primitives/0/targets", json!([{}]), "meshes[0].primitives[0]", "morph"),
         ("materials/0/alphaMode", json!("BLEND"), "materials[0].alphaMode", "opaque"),
-        ("materials/0/extensions", sheen, "materials[0].extensions", "KHR_materials_sheen"),
+        ("materials/0/extensions", sheen, "materials[0].extensions.KHR_materials_sheen", "left out"),
         ("materials/0/pbrMetallicRoughness", gone, "materials[0].pbrMetallicRoughness", "no texture 3"),
     ] {
         warned(&model(|json| put(json, path, value)), place, what);
     }
+    let glass = model(|json| {
+        put(json, "materials/0/extensions", clear);
+        put(json, "materials/0/pbrMetallicRoughness", dielectric);
+    });
+    for what in ["rough glass", "partly transmitting", "absorption"] {
+        warned(&glass, "materials[0].extensions", what);
+    }
+    warned(&glass, "materials[0].pbrMetallicRoughness.extensions.VENDOR_tint", "left out");
     let skinned = model(|json| {
         put(json, "skins", json!([{ "joints": [0] }]));
         put(json, "nodes/0/skin", json!(0));
@@ -101,7 +122,10 @@ fn broken_files_are_refused_with_place_and_remedy() {
         ("meshes/0/primitives/0/indices", json!(60), "no accessor 60"),
         ("meshes", odd_mode, "line 1, column"),
         ("asset/version", json!("1.0"), "glTF 1.0 is not read"),
+        ("asset/minVersion", json!("2.1"), "glTF 2.1 is not read"),
         ("extensionsRequired", json!(["KHR_draco_mesh_compression"]), "compressed"),
+        ("extensionsRequired", json!(["KHR_texture_transform", "VENDOR_x"]), "extension `VENDOR_x`"),
+        ("extensionsRequired", json!(["VENDOR_x"]), "extensionsRequired[0], line 1, column"),
     ] {
         let error = refused(&model(|json| put(json, path, value)));
         assert!(error.contains(what) && error.contains("m.glb"), "{path}, {what}: {error}");

@@ -20,14 +20,20 @@ fn materials_are_those_of_the_standard() {
     });
     assert_eq!((rich.color, rich.emission), (vec3(0.1, 0.2, 0.3), vec3(4.0, 2.0, 0.0)));
     assert_eq!(rich.kind, MaterialKind::MetalRough { roughness: 0.5, metallic: 0.25, ior: 1.8 });
-    let (glass, _) = material(|json| {
-        json["pbrMetallicRoughness"] =
-            json!({ "baseColorFactor": [0.25, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": 0 });
-        json["extensions"] = json!({
-            "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.33 }
+    // A pane tints light once, a volume where light enters and leaves.
+    let (pane, volume) = (MaterialKind::ThinGlass { ior: 1.33 }, MaterialKind::Glass { ior: 1.33 });
+    for (thickness, kind, red) in [(0.0, pane, 0.25), (0.1, volume, 0.5)] {
+        let (glass, scene) = material(|json| {
+            json["pbrMetallicRoughness"] =
+                json!({ "baseColorFactor": [0.25, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": 0 });
+            json["extensions"] = json!({
+                "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.33 },
+                "KHR_materials_volume": { "thicknessFactor": thickness }
+            });
         });
-    });
-    assert_eq!((glass.kind, glass.color), (MaterialKind::Glass { ior: 1.33 }, vec3(0.5, 1.0, 1.0)));
+        assert_eq!((glass.kind, glass.color), (kind, vec3(red, 1.0, 1.0)), "{thickness:?}");
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    }
     let (unlit, _) = material(|json| {
         json["pbrMetallicRoughness"] = json!({ "baseColorFactor": [0.1, 0.2, 0.3, 1] });
         json["extensions"] = json!({ "KHR_materials_unlit": {} });
@@ -81,25 +87,33 @@ fn textures_have_their_places_and_coordinates() {
 
 #[test]
 fn vertex_colours_multiply_and_survive_conversion() {
-    let mut binary = square();
-    let json = model(|json| {
-        let bytes = [255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255];
-        let accessor = json!({ "componentType": 5121, "normalized": true, "type": "VEC4" });
-        put_colours(json, &mut binary, &bytes, accessor);
-    });
-    let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
-    let shown = |scene: &Scene| {
-        let material = scene.triangles[0].material;
-        let material = Material { name: String::new(), ..scene.materials[material as usize].clone() };
-        (scene.textures.clone(), scene.uvs.clone(), material)
-    };
-    let target = folder.path("s.json");
-    let converted = convert_model(&path, &target).unwrap();
-    assert!(converted.pictures.is_empty());
-    assert!(converted.text.contains(r#""colors": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"#), "{}", converted.text);
-    fs::write(&target, converted.text).unwrap();
-    let again = load(target.to_str().unwrap()).unwrap();
-    assert_eq!(shown(&scene), shown(&again));
+    // Of an unlit material they multiply what it emits.
+    let unlit = json!({ "KHR_materials_unlit": {} });
+    for (extensions, kind) in [(json!({}), "metal-rough"), (unlit, "emitter")] {
+        let mut binary = square();
+        let json = model(|json| {
+            let bytes = [255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255];
+            let accessor = json!({ "componentType": 5121, "normalized": true, "type": "VEC4" });
+            json["materials"][0]["extensions"] = extensions;
+            put_colours(json, &mut binary, &bytes, accessor);
+        });
+        let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        let shown = |scene: &Scene| {
+            let material = scene.triangles[0].material;
+            let material = Material { name: String::new(), ..scene.materials[material as usize].clone() };
+            (scene.textures.clone(), scene.uvs.clone(), material)
+        };
+        let target = folder.path("s.json");
+        let text = convert_model(&path, &target).unwrap();
+        assert!(text.pictures.is_empty());
+        let text = text.text;
+        assert!(text.contains(r#""colors": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"#), "{text}");
+        assert!(text.contains(&format!(r#""type":"{kind}""#)), "{text}");
+        fs::write(&target, text).unwrap();
+        let again = load(target.to_str().unwrap()).unwrap();
+        assert_eq!(shown(&scene), shown(&again));
+    }
 }
 
 #[test]
@@ -158,19 +172,29 @@ fn textures_use_the_set_of_coordinates_of_the_first_of_them() {
 
 #[test]
 fn vertex_colours_may_be_three_floats_and_end_at_one() {
-    let coloured = |mut json: Value, mut binary: Vec<u8>| {
-        let colours = floats(&[[2.0, 0.5, 0.0]; 4].concat());
-        put_colours(&mut json, &mut binary, &colours, json!({ "componentType": 5126, "type": "VEC3" }));
+    let coloured = |mut json: Value, mut binary: Vec<u8>, last: f32| {
+        let colours = [[2.0, 0.5, 0.0], [2.0, 0.5, 0.0], [2.0, 0.5, 0.0], [2.0, 0.5, last]].concat();
+        put_colours(
+            &mut json,
+            &mut binary,
+            &floats(&colours),
+            json!({ "componentType": 5126, "type": "VEC3" }),
+        );
         read_with(&json, &binary).unwrap()
     };
-    let Loaded { folder, path, .. } = coloured(model(|_| {}), square());
+    let Loaded { folder, path, .. } = coloured(model(|_| {}), square(), 0.25);
     let text = convert_model(&path, &folder.path("s.json")).unwrap().text;
-    assert!(text.contains(r#""colors": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0]]"#), "{text}");
+    assert!(text.contains(r#""colors": [[1, 0.5, 0], [1, 0.5, 0], [1, 0.5, 0.25]]"#), "{text}");
+    // One colour is the material's, beside its textures.
     let (json, binary) = pictured(|json| {
         json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
     });
-    let scene = coloured(json, binary).scene;
-    assert!(scene.warnings[0].contains("vertex colours are left out"), "{:?}", scene.warnings);
+    for (last, color, warnings) in [(0.0, vec3(1.0, 0.5, 0.0), 0), (0.25, Vec3::ONE, 1)] {
+        let scene = coloured(json.clone(), binary.clone(), last).scene;
+        let material = &scene.materials[scene.triangles[0].material as usize];
+        assert_eq!((material.color, scene.warnings.len()), (color, warnings), "{:?}", scene.warnings);
+        assert!(material.texture.is_some());
+    }
 }
 
 #[test]
@@ -188,7 +212,7 @@ fn glass_is_what_transmits_and_is_no_metal() {
         read_with(&json, &binary).unwrap().scene.materials[0].clone()
     };
     let glass = of(0.75, 0.0, 1.5);
-    assert_eq!((glass.kind, glass.texture), (MaterialKind::Glass { ior: 1.5 }, None));
+    assert_eq!((glass.kind, glass.texture), (MaterialKind::ThinGlass { ior: 1.5 }, Some(0)));
     for (transmission, metallic) in [(0.25, 0.0), (1.0, 1.0)] {
         let opaque = of(transmission, metallic, 0.0);
         let metallic = metallic as f32;

@@ -5,8 +5,13 @@
 use super::super::error::SceneError;
 use super::super::files::{Files, has_extension};
 use super::super::json::{JsonPath, Source};
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf_json::Root;
 use gltf_json::buffer::View;
+use percent_encoding::percent_decode_str;
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -123,7 +128,7 @@ impl Document<'_> {
 /// The content that a URI names: a data URI, or a file beside the model.
 pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
     if is_data(uri) {
-        let data = uri.split_once(";base64,").and_then(|(_, data)| base64(data.as_bytes()));
+        let data = uri.split_once(";base64,").and_then(|(_, data)| BASE64.decode(data).ok());
         return data.ok_or_else(|| "a data URI is not base64".to_string());
     }
     let path = path(uri, model);
@@ -142,64 +147,11 @@ pub fn is_data(uri: &str) -> bool {
 
 /// Percent-encoded bytes decoded.
 pub fn decoded(uri: &str) -> String {
-    let bytes = uri.as_bytes();
-    let (mut plain, mut at) = (Vec::with_capacity(bytes.len()), 0);
-    while at < bytes.len() {
-        let escaped = (bytes[at] == b'%')
-            .then(|| uri.get(at + 1..at + 3).and_then(|hex| u8::from_str_radix(hex, 16).ok()))
-            .flatten();
-        plain.push(escaped.unwrap_or(bytes[at]));
-        at += if escaped.is_some() { 3 } else { 1 };
-    }
-    String::from_utf8(plain).unwrap_or_else(|_| uri.to_string())
+    percent_decode_str(uri).decode_utf8().map_or(uri.to_string(), Cow::into_owned)
 }
 
-/// Base64 (RFC 4648 §4); padding may be missing.
-fn base64(text: &[u8]) -> Option<Vec<u8>> {
-    let text = text.strip_suffix(b"==").or(text.strip_suffix(b"=")).unwrap_or(text);
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 3);
-    for group in text.chunks(4) {
-        let mut bits = 0_u32;
-        for &letter in group {
-            let value = match letter {
-                b'A'..=b'Z' => letter - b'A',
-                b'a'..=b'z' => letter - b'a' + 26,
-                b'0'..=b'9' => letter - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                _ => return None,
-            };
-            bits = bits << 6 | u32::from(value);
-        }
-        bits <<= 6 * (4 - group.len());
-        let whole = match group.len() {
-            1 => return None,
-            length => length - 1,
-        };
-        bytes.extend_from_slice(&bits.to_be_bytes()[1..1 + whole]);
-    }
-    Some(bytes)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn base64_decodes_every_length_and_refuses_what_is_none() {
-        // RFC 4648 §10.
-        let cases =
-            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmFy", "foobar"), ("Zm8", "fo")];
-        for (text, plain) in cases {
-            assert_eq!(base64(text.as_bytes()).as_deref(), Some(plain.as_bytes()), "{text}");
-        }
-        for text in ["Z", "Zg=a", "Z\n9v", "Zm9vY"] {
-            assert_eq!(base64(text.as_bytes()), None, "{text}");
-        }
-    }
-
-    #[test]
-    fn names_are_decoded() {
-        assert_eq!(decoded("a%20b%2Fc%zz%e2%82%ac%"), "a b/c%zz€%");
-    }
-}
+/// Base64; padding may be missing.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);

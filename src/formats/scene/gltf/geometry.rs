@@ -11,7 +11,6 @@ use super::super::notes::Notes;
 use super::accessor::{Accessors, Numbers};
 use super::bytes::broken;
 use super::material::{self, Added};
-use super::nodes::COMPRESSIONS;
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
@@ -25,12 +24,17 @@ pub struct Geometry {
     colors: Option<Rc<Numbers>>,
     indices: Option<Rc<Numbers>>,
     mode: Mode,
+    has_tangents: bool,
 }
 
 impl Geometry {
     /// Notes which of the vertices' attributes the material cannot use, and which it lacks.
     pub fn note_unused(&self, material: u32, place: &JsonPath, builder: &mut SceneBuilder) {
         let is_textured = builder.materials[material as usize].textures().next().is_some();
+        if self.has_tangents && builder.materials[material as usize].normal_map.is_some() {
+            let what = "tangents are left out: they follow from the texture coordinates";
+            builder.notes.add(&place.key("attributes").key("TANGENT"), what);
+        }
         if is_textured && self.uvs.is_none() {
             builder
                 .notes
@@ -39,6 +43,13 @@ impl Geometry {
         if self.colors.is_some() && builder.colored(material).is_none() {
             builder.notes.add(place, "vertex colours are left out, as the material has textures");
         }
+    }
+    /// The colour of all vertices, if it is one. Then the material can have it, and any textures too.
+    pub fn take_only_color(&mut self) -> Option<Vec3> {
+        let colors =
+            self.colors.take_if(|colors| (1..colors.count).all(|at| colors.at::<3>(at) == colors.at(0)))?;
+        let color = (colors.count > 0).then(|| DVec3::from_array(colors.at(0)).as_vec3())?;
+        Some(color.clamp(Vec3::ZERO, Vec3::ONE)).filter(|color| *color != Vec3::ONE)
     }
     /// The number of corners.
     fn corners(&self) -> usize {
@@ -70,12 +81,6 @@ pub fn read(
     place: &JsonPath,
     notes: &mut Notes,
 ) -> Result<Option<Geometry>, SceneError> {
-    let extensions = primitive.extensions.as_ref().map(|extensions| &extensions.others);
-    for name in extensions.into_iter().flat_map(|others| others.keys()) {
-        let is_compression = COMPRESSIONS.contains(&name.as_str());
-        let shown = if is_compression { ": the uncompressed copy is shown, if there is one" } else { "" };
-        notes.add(place, format!("`{name}` is not read{shown}"));
-    }
     if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
         notes.add(place, "morph targets are not read: the mesh is shown as it is without them");
     }
@@ -119,7 +124,8 @@ pub fn read(
     if let Some(outside) = values.find(|&&index| index >= positions.count as f64) {
         return Err(broken(&place, format!("the mesh uses vertex {outside} of {}", positions.count)));
     }
-    Ok(Some(Geometry { positions, normals, uvs, colors, indices, mode }))
+    let has_tangents = primitive.attributes.contains_key(&Checked::Valid(Semantic::Tangents));
+    Ok(Some(Geometry { positions, normals, uvs, colors, indices, mode, has_tangents }))
 }
 
 /// From a mesh's coordinates to the scene's.

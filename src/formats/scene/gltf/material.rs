@@ -5,7 +5,8 @@
 //! | glTF | octray |
 //! |---|---|
 //! | metallic-roughness, `KHR_materials_ior` | metal-rough |
-//! | `KHR_materials_transmission` above a half | glass of that index; its colour is √ base colour, as light enters and leaves |
+//! | `KHR_materials_transmission` above a half | thin glass of that index and the base colour |
+//! | the same with a thickness in `KHR_materials_volume` | glass; its colour is √ base colour, as light enters and leaves |
 //! | emissive factor, texture, `KHR_materials_emissive_strength` | emission and its map |
 //! | `KHR_materials_unlit` | an emitter of the base colour |
 //!
@@ -27,18 +28,11 @@ use octray_engine::scene::{Material, MaterialKind, TexelKind};
 use serde_json::{Map, Value};
 use std::collections::HashMap;
 
-/// Extensions that are read.
-const KNOWN: [&str; 5] = [
-    "KHR_materials_ior",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    // Glass fills its mesh.
-    "KHR_materials_volume",
-];
-
 /// A material that transmits more than this is glass.
 const CLEAR: f64 = 0.5;
+
+const TRANSMISSION: &str = "KHR_materials_transmission";
+const VOLUME: &str = "KHR_materials_volume";
 
 /// The textures of a material: of colour, of roughness and metallic, of normals, of emission.
 fn references(file: &MaterialFile) -> [Option<Reference>; 4] {
@@ -110,9 +104,9 @@ impl<'a> Materials<'a> {
         let list = self.document.source.root();
         let list = list.key("materials");
         let place = list.item(index);
-        note_ignored(file, &place, &mut builder.notes);
         let name = file.name.clone().unwrap_or_else(|| format!("material {index}"));
         let mut material = plain(file, name);
+        note_ignored(file, material.kind, &place, &mut builder.notes);
         let references = references(file);
         let first = references.into_iter().flatten().next();
         let [color, rough, normal, emission] = references;
@@ -126,7 +120,7 @@ impl<'a> Materials<'a> {
             }
             texture::load(self.document, reference.texture, kind, slopes, &place, builder)
         };
-        // Glass is shown without its texture.
+        // Its colour is not that of the texture, but the square root.
         let is_glass = matches!(material.kind, MaterialKind::Glass { .. });
         material.texture = load("pbrMetallicRoughness", color.filter(|_| !is_glass), TexelKind::Color, None);
         if material.kind.has_roughness() {
@@ -169,26 +163,30 @@ fn plain(file: &MaterialFile, name: String) -> Material {
         0.0 => 1e6,
         ior => ior.clamp(1.0, 1e6),
     } as f32;
-    let transmission = number(file, "KHR_materials_transmission", "transmissionFactor", 0.0);
+    let is_solid = number(file, VOLUME, "thicknessFactor", 0.0) > 0.0;
+    let emitted = emission * strength as f32;
     let (kind, color, emission) = if extension(file, "KHR_materials_unlit").is_some() {
         (MaterialKind::Emitter, Vec3::ONE, color)
-    } else if transmission > CLEAR && pbr.metallic_factor.0 < 0.5 {
-        (MaterialKind::Glass { ior }, color.map(f32::sqrt), emission * strength as f32)
+    } else if transmission(file) > CLEAR {
+        match is_solid {
+            true => (MaterialKind::Glass { ior }, color.map(f32::sqrt), emitted),
+            false => (MaterialKind::ThinGlass { ior }, color, emitted),
+        }
     } else {
         let (roughness, metallic) = (fraction(pbr.roughness_factor.0), fraction(pbr.metallic_factor.0));
-        (MaterialKind::MetalRough { roughness, metallic, ior }, color, emission * strength as f32)
+        (MaterialKind::MetalRough { roughness, metallic, ior }, color, emitted)
     };
     Material { emission, ..Material::new(name, kind, color) }
 }
 
+/// The share of light that the material transmits instead of scattering it below its surface.
+fn transmission(file: &MaterialFile) -> f64 {
+    let metallic = f64::from(file.pbr_metallic_roughness.metallic_factor.0);
+    number(file, TRANSMISSION, "transmissionFactor", 0.0) * (1.0 - metallic)
+}
+
 /// Notes what of a material is left out.
-fn note_ignored(file: &MaterialFile, place: &JsonPath, notes: &mut Notes) {
-    let extensions = place.key("extensions");
-    for name in file.extensions.iter().flat_map(|extensions| extensions.others.keys()) {
-        if !KNOWN.contains(&name.as_str()) {
-            notes.add(&extensions, format!("`{name}` is not read"));
-        }
-    }
+fn note_ignored(file: &MaterialFile, kind: MaterialKind, place: &JsonPath, notes: &mut Notes) {
     match file.alpha_mode {
         Checked::Valid(AlphaMode::Mask) => {
             notes.add(&place.key("alphaMode"), "cut-out parts (`MASK`) are shown opaque");
@@ -198,20 +196,28 @@ fn note_ignored(file: &MaterialFile, place: &JsonPath, notes: &mut Notes) {
         }
         Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => {}
     }
-    let pbr = &file.pbr_metallic_roughness;
-    let transmission = number(file, "KHR_materials_transmission", "transmissionFactor", 0.0);
+    // Of an unlit material the standard ignores the rest too.
+    if kind == MaterialKind::Emitter {
+        return;
+    }
+    if file.occlusion_texture.is_some() {
+        notes.add(&place.key("occlusionTexture"), "occlusion is left out: paths find it themselves");
+    }
+    let (pbr, extensions) = (&file.pbr_metallic_roughness, place.key("extensions"));
+    let transmission = transmission(file);
     let has = |name, key| extension(file, name).is_some_and(|extension| extension.contains_key(key));
-    let is_clear = transmission > CLEAR;
+    let is_thin = matches!(kind, MaterialKind::ThinGlass { .. });
+    let is_glass = is_thin || matches!(kind, MaterialKind::Glass { .. });
     for (is_ignored, what) in [
-        (is_clear && pbr.roughness_factor.0 > 0.1, "rough glass is shown smooth"),
-        (is_clear && pbr.base_color_texture.is_some(), "glass is shown without its texture"),
-        (is_clear && transmission < 1.0, "a partly transmitting surface is shown as clear glass"),
+        (is_glass && pbr.roughness_factor.0 > 0.0, "rough glass is shown smooth"),
         (
-            is_clear && has("KHR_materials_volume", "attenuationDistance"),
-            "the absorption of volumes is not read",
+            is_glass && !is_thin && pbr.base_color_texture.is_some(),
+            "glass that fills its mesh is shown without its texture",
         ),
-        (!is_clear && transmission > 0.0, "a partly transmitting surface is shown opaque"),
-        (has("KHR_materials_transmission", "transmissionTexture"), "the texture of transmission is not read"),
+        (is_glass && transmission < 1.0, "a partly transmitting surface is shown as clear glass"),
+        (is_glass && !is_thin && has(VOLUME, "attenuationDistance"), "the absorption of volumes is not read"),
+        (!is_glass && transmission > 0.0, "a partly transmitting surface is shown opaque"),
+        (has(TRANSMISSION, "transmissionTexture"), "the texture of transmission is not read"),
     ] {
         if is_ignored {
             notes.add(&extensions, what);

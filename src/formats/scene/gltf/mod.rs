@@ -7,6 +7,7 @@
 //! | `bytes` | binary files, buffers, data URIs |
 //! | `accessor` | numbers in buffers |
 //! | `geometry` | triangles, and their way into the scene |
+//! | `extensions` | which are read; notes about the others |
 //! | `nodes` | the tree of nodes as placed meshes and a camera |
 //! | `material`, `texture` | materials and their textures |
 //!
@@ -20,6 +21,7 @@
 
 mod accessor;
 mod bytes;
+mod extensions;
 mod geometry;
 mod material;
 mod nodes;
@@ -37,7 +39,7 @@ use geometry::{Geometry, Transform};
 use glam::DVec4;
 use gltf_json::Root;
 use material::{Added, Materials};
-use octray_engine::scene::Camera;
+use octray_engine::scene::{Camera, Material, MaterialKind};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
@@ -58,14 +60,17 @@ pub fn read(content: &[u8], path: &Path, files: &Files) -> Result<Gltf, SceneErr
     let source = Source { file: path, text };
     let root: Root = super::json::read(&source)?;
     let place = source.root();
-    if !root.asset.version.starts_with("2.") {
-        let what = format!("glTF {} is not read", root.asset.version);
+    let needed = root.asset.min_version.as_ref().filter(|least| *least != "2.0");
+    if let Some(version) = needed.or(Some(&root.asset.version).filter(|version| !version.starts_with("2."))) {
+        let what = format!("glTF {version} is not read");
         return Err(place.key("asset").key("version").error(what, "export the model as glTF 2.0"));
     }
     let mut required = root.extensions_required.iter().enumerate();
-    if let Some((index, name)) = required.find(|(_, name)| nodes::COMPRESSIONS.contains(&name.as_str())) {
-        let mend = "export the model without compression";
-        let what = format!("the geometry is compressed ({name}), which is not read");
+    if let Some((index, name)) = required.find(|(_, name)| !extensions::READ.contains(&name.as_str())) {
+        let is_compression = extensions::COMPRESSIONS.contains(&name.as_str());
+        let why = if is_compression { ": its geometry is compressed" } else { "" };
+        let what = format!("the file requires the extension `{name}`, which is not read{why}");
+        let mend = "export the model without it, or, if it shows without, take it out of this list";
         return Err(place.key("extensionsRequired").item(index).error(what, mend));
     }
     let buffers = bytes::buffers(&source, &root, binary, files)?;
@@ -87,6 +92,7 @@ impl Gltf {
         let document = Document { source, root: &self.root, buffers: &self.buffers };
         let place = document.source.root();
         nodes::note_ignored(&place, &self.root, &mut builder.notes);
+        extensions::note_ignored(&document.source, material.is_none(), &mut builder.notes);
         let mut accessors = Accessors::new(&document);
         let mut materials = Materials::new(&document);
         let mut meshes: HashMap<usize, Vec<(Added, Geometry)>> = HashMap::new();
@@ -102,11 +108,20 @@ impl Gltf {
                         let primitives = of_mesh.key("primitives");
                         let place = primitives.item(index);
                         let read = geometry::read(&mut accessors, primitive, &place, &mut builder.notes)?;
-                        let Some(geometry) = read else { continue };
+                        let Some(mut geometry) = read else { continue };
                         let own = match material {
                             Some(number) => Added { number, uv_map: UvMap::default() },
                             None => {
-                                let own = materials.of(primitive, &place, builder)?;
+                                let mut own = materials.of(primitive, &place, builder)?;
+                                if let Some(color) = geometry.take_only_color() {
+                                    let plain = builder.materials[own.number as usize].clone();
+                                    let (of, light) = (plain.color * color, plain.emission * color);
+                                    let tinted = match plain.kind {
+                                        MaterialKind::Emitter => Material { emission: light, ..plain },
+                                        _ => Material { color: of, ..plain },
+                                    };
+                                    own.number = builder.add_material(tinted, 1.0);
+                                }
                                 geometry.note_unused(own.number, &place, builder);
                                 own
                             }

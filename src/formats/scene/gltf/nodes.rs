@@ -10,10 +10,6 @@ use glam::{DMat4, DQuat, DVec3};
 use gltf_json::Root;
 use gltf_json::scene::Node;
 
-/// Extensions without which a file's geometry cannot be read.
-pub const COMPRESSIONS: [&str; 3] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
-
 /// What the nodes of a scene show, in the coordinates of the file.
 #[derive(Default)]
 pub struct Placed {
@@ -109,18 +105,11 @@ pub fn note_ignored(place: &JsonPath, root: &Root, notes: &mut Notes) {
             let what = "skins are not read: the mesh is shown as it is without bones";
             notes.add(&place.key("skin"), what);
         }
-        for name in node.extensions.iter().flat_map(|extensions| extensions.others.keys()) {
-            let what = match name.as_str() {
-                "KHR_lights_punctual" => {
-                    "lights (`KHR_lights_punctual`) are left out: light comes from emissive surfaces".into()
-                }
-                "EXT_mesh_gpu_instancing" => "instances (`EXT_mesh_gpu_instancing`) are left out".into(),
-                name => format!("`{name}` is not read"),
-            };
-            notes.add(&place.key("extensions"), what);
-        }
     }
     if root.scenes.len() > 1 {
         notes.add(&place.key("scenes"), "the file has several scenes: one is shown");
+    }
+    if root.cameras.len() > 1 {
+        notes.add(&place.key("cameras"), "the file has several cameras: the first one of a node counts");
     }
 }

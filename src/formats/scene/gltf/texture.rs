@@ -100,6 +100,7 @@ pub fn load(
     };
     let model = document.source.file;
     let textures = &mut builder.textures;
+    let known = textures.left_out.len();
     let files = textures.files.clone();
     let loaded = match &image.uri {
         Some(uri) if slopes.is_none() && !bytes::is_data(uri) => {
@@ -117,6 +118,8 @@ pub fn load(
             textures.load_from(|| content(document, image, &files), change, &path, &name, filter, kind)
         }
     };
+    // Colour spaces that images state, and alpha where a material is opaque, are to be ignored.
+    textures.left_out.truncate(known);
     if let Err(reason) = &loaded {
         builder.notes.add(&root.key("images").item(index), format!("the image is left out: {reason}"));
     }

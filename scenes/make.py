@@ -1,4 +1,4 @@
-"""Makes spheres, cornell, cornell-spheres, balls, far (.json) and the folder book. The same seed gives the same scenes."""
+"""Makes spheres, cornell, cornell-spheres, balls, far and book/*. The same seed gives the same scenes."""
 
 import json
 import math
@@ -162,9 +162,12 @@ def make_far():
         "paper": {"type": "diffuse", "color": [0.15, 0.3, 0.5]},
     }
     folds = 72
-    turns = [2 * math.pi * i / folds for i in range(folds)]
-    rim = [rounded(2.6 * math.cos(a), -0.85 if i % 2 else -1.15, 2.6 * math.sin(a)) for i, a in enumerate(turns)]
-    fan = [{"vertices": [[0, -1, 0], rim[(i + 1) % folds], rim[i]], "material": "paper"} for i in range(folds)]
+
+    def rim(i):
+        turn = 2 * math.pi * (i % folds) / folds
+        return rounded(2.6 * math.cos(turn), -0.85 if i % 2 else -1.15, 2.6 * math.sin(turn))
+
+    fan = [{"vertices": [[0, -1, 0], rim(i + 1), rim(i)], "material": "paper"} for i in range(folds)]
     camera = {"position": [3000, 2000, 6000], "look_at": [0, -0.1, 0], "vertical_fov": 0.026}
     sky = {"gradient": {"bottom": [0.6, 0.55, 0.5], "top": [0.8, 0.9, 1.1]}}
     ball = {"center": [0, 0, 0], "radius": 1, "material": "clay"}
@@ -193,7 +196,8 @@ def make_book_final():
                 materials[name] = {"type": "diffuse", "color": color}
             elif kind < 0.95:
                 color = rounded(*(rng.uniform(0.5, 1) for _ in range(3)))
-                materials[name] = {"type": "scatter", "color": color, "roughness": round(rng.uniform(0, 0.5), 4)}
+                fuzz = round(rng.uniform(0, 0.5), 4)
+                materials[name] = {"type": "scatter", "color": color, "roughness": fuzz}
             spheres.append({"center": center, "radius": 0.2, "material": name})
     for x, material in ((0, "glass"), (-4, "brown"), (4, "mirror")):
         spheres.append({"center": [x, 1, 0], "radius": 1, "material": material})
@@ -204,13 +208,13 @@ def make_book_final():
 
 
 def make_book_defocus():
-    # The final scene from 64 points of a lens of 0.6 degrees, all looking at one point 10 away: their mean is out
-    # of focus everywhere else.
+    # The final scene from 64 points of a lens of 0.6 degrees, all looking at one point 10 away: their mean is
+    # out of focus everywhere else.
     eye, radius, count = (13, 2, 3), 10 * math.tan(math.radians(0.3)), 64
-    far = math.hypot(*eye)
-    side = (eye[2] / math.hypot(eye[0], eye[2]), 0, -eye[0] / math.hypot(eye[0], eye[2]))
-    back = [x / far for x in eye]
-    up = (back[1] * side[2] - back[2] * side[1], back[2] * side[0] - back[0] * side[2], back[0] * side[1] - back[1] * side[0])
+    far, across = math.hypot(*eye), math.hypot(eye[0], eye[2])
+    x, y, z = back = [x / far for x in eye]
+    side = (eye[2] / across, 0, -eye[0] / across)
+    up = (-x * y * far / across, across / far, -y * z * far / across)
     frames = []
     for i in range(count):
         r, turn = radius * math.sqrt((i + 0.5) / count), i * math.pi * (3 - math.sqrt(5))

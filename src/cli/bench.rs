@@ -23,8 +23,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Measuring time of a scene, all engines together; the eight built-in ones for it take half a minute, loading
-/// and comparing included.
+/// Measuring time of a scene, all engines together; the eight built-in ones take half a minute, loading and
+/// comparing included.
 const PER_SCENE: Duration = Duration::from_secs(2);
 /// Most measured frames.
 const MAX_FRAMES: u32 = 1_000_000;

@@ -14,6 +14,8 @@ const MARGIN: f64 = 10.0;
 /// Largest radius of what the map shows as a whole, over the distance of its centre from the camera: a camera
 /// that stands on a sphere, and not far above it, sees a ground.
 const LARGEST: f64 = 0.9;
+/// A camera that is as many times as far from the scene as the scene is wide stands at the map's edge.
+const FAR: f64 = 8.0;
 const GROUND: u32 = 0x20_2428;
 const HERE: u32 = 0xff_ff40;
 
@@ -94,18 +96,23 @@ impl Minimap {
         minimap
     }
 
-    /// Sets centre and scale so that the camera and the primitives fit whose bounding radius is below
-    /// [`LARGEST`] of their distance from it. Larger ones (a floor, a planet-sized ball, a sky) are cut off,
-    /// unless there are no others.
+    /// Sets centre and scale so that the camera, unless it is [`FAR`], and the primitives fit whose bounding
+    /// radius is below [`LARGEST`] of their distance from it. Larger ones (a floor, a planet-sized ball, a sky)
+    /// are cut off, unless there are no others.
     fn frame(&mut self, shapes: &[Shape], camera: DVec3) {
         let flat = |point: DVec3| DVec2::new(point.dot(self.right), point.dot(self.down));
         let balls: Vec<(DVec3, f64)> = shapes.iter().map(Shape::ball).collect();
         let fits = |&&(center, radius): &&(DVec3, f64)| radius < LARGEST * center.distance(camera);
         let some = balls.iter().any(|ball| fits(&ball));
-        let (mut low, mut high) = (flat(camera), flat(camera));
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for (center, radius) in balls.iter().filter(|ball| !some || fits(ball)) {
             low = low.min(flat(*center) - *radius);
             high = high.max(flat(*center) + *radius);
+        }
+        // False where there are no primitives.
+        let far = flat(camera).distance((low + high) / 2.0) > FAR * (high - low).max_element();
+        if !far {
+            (low, high) = (low.min(flat(camera)), high.max(flat(camera)));
         }
         let middle = (low + high) / 2.0;
         self.center = self.right * middle.x + self.down * middle.y;

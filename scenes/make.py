@@ -1,4 +1,4 @@
-"""Makes spheres.json, cornell.json, cornell-spheres.json and balls.json beside this file. The same seed gives the same scenes."""
+"""Makes spheres, cornell, cornell-spheres, balls, far and book/*. The same seed gives the same scenes."""
 
 import json
 import math
@@ -17,8 +17,9 @@ def named(items):
     return "{\n    " + ",\n    ".join(f"{json.dumps(k)}: {json.dumps(v)}" for k, v in items.items()) + "\n  }"
 
 
-def write(name, camera, sky, materials, **lists):
+def write(name, camera, sky, materials, numbers=None, **lists):
     parts = ['  "format": "octray-1"', f'  "camera": {json.dumps(camera)}', f'  "sky": {json.dumps(sky)}']
+    parts += [f'  "{key}": {json.dumps(value)}' for key, value in (numbers or {}).items()]
     parts.append(f'  "materials": {named(materials)}')
     parts += [f'  "{key}": {entries(items)}' for key, items in lists.items()]
     (HERE / name).write_text("{\n" + ",\n".join(parts) + "\n}\n")
@@ -154,7 +155,112 @@ def make_balls():
     write("balls.json", camera, sky, materials, spheres=balls, triangles=field)
 
 
+def make_far():
+    # A unit sphere on a folded fan of thin triangles, 7,000 radii from the camera: naive methods lose it.
+    materials = {
+        "clay": {"type": "diffuse", "color": [0.8, 0.42, 0.25]},
+        "paper": {"type": "diffuse", "color": [0.15, 0.3, 0.5]},
+    }
+    folds = 72
+
+    def rim(i):
+        turn = 2 * math.pi * (i % folds) / folds
+        return rounded(2.6 * math.cos(turn), -0.85 if i % 2 else -1.15, 2.6 * math.sin(turn))
+
+    fan = [{"vertices": [[0, -1, 0], rim(i + 1), rim(i)], "material": "paper"} for i in range(folds)]
+    camera = {"position": [3000, 2000, 6000], "look_at": [0, -0.1, 0], "vertical_fov": 0.026}
+    sky = {"gradient": {"bottom": [0.6, 0.55, 0.5], "top": [0.8, 0.9, 1.1]}}
+    ball = {"center": [0, 0, 0], "radius": 1, "material": "clay"}
+    write("far.json", camera, sky, materials, spheres=[ball], triangles=fan)
+
+
+def make_book_final():
+    # The final scene of "Ray Tracing in One Weekend", with random numbers of our own.
+    rng = random.Random(SEED)
+    materials = {
+        "ground": {"type": "diffuse", "color": [0.5, 0.5, 0.5]},
+        "glass": {"type": "glass", "ior": 1.5},
+        "brown": {"type": "diffuse", "color": [0.4, 0.2, 0.1]},
+        "mirror": {"type": "metal", "color": [0.7, 0.6, 0.5]},
+    }
+    spheres = [{"center": [0, -1000, 0], "radius": 1000, "material": "ground"}]
+    for a in range(-11, 11):
+        for b in range(-11, 11):
+            kind = rng.random()
+            center = rounded(a + 0.9 * rng.random(), 0.2, b + 0.9 * rng.random())
+            if math.dist(center, (4, 0.2, 0)) <= 0.9:
+                continue
+            name = "glass" if kind >= 0.95 else f"{len(spheres)}"
+            if kind < 0.8:
+                color = rounded(*(rng.random() * rng.random() for _ in range(3)))
+                materials[name] = {"type": "diffuse", "color": color}
+            elif kind < 0.95:
+                color = rounded(*(rng.uniform(0.5, 1) for _ in range(3)))
+                fuzz = round(rng.uniform(0, 0.5), 4)
+                materials[name] = {"type": "scatter", "color": color, "roughness": fuzz}
+            spheres.append({"center": center, "radius": 0.2, "material": name})
+    for x, material in ((0, "glass"), (-4, "brown"), (4, "mirror")):
+        spheres.append({"center": [x, 1, 0], "radius": 1, "material": material})
+    camera = {"position": [13, 2, 3], "look_at": [0, 0, 0], "vertical_fov": 20}
+    sky = {"gradient": {"bottom": [1, 1, 1], "top": [0.5, 0.7, 1]}}
+    numbers = {"resolution": [480, 270], "max_bounces": 49}
+    write("book/final.json", camera, sky, materials, numbers, spheres=spheres)
+
+
+def make_book_defocus():
+    # The final scene from 64 points of a lens of 0.6 degrees, all looking at one point 10 away: their mean is
+    # out of focus everywhere else.
+    eye, radius, count = (13, 2, 3), 10 * math.tan(math.radians(0.3)), 64
+    far, across = math.hypot(*eye), math.hypot(eye[0], eye[2])
+    x, y, z = back = [x / far for x in eye]
+    side = (eye[2] / across, 0, -eye[0] / across)
+    up = (-x * y * far / across, across / far, -y * z * far / across)
+    frames = []
+    for i in range(count):
+        r, turn = radius * math.sqrt((i + 0.5) / count), i * math.pi * (3 - math.sqrt(5))
+        u, v = r * math.cos(turn), r * math.sin(turn)
+        position = rounded(*(e + u * s + v * w for e, s, w in zip(eye, side, up)))
+        frames.append({"frame": i + 1, "camera": {"position": position}})
+    focus = rounded(*((far - 10) * x for x in back))
+    view = {"format": "octray-view-1", "scene": "final.json", "camera": {"look_at": focus}}
+    parts = [f'  {json.dumps(key)}: {json.dumps(value)}' for key, value in view.items()]
+    parts.append(f'  "keyframes": {entries(frames)}')
+    (HERE / "book/defocus.json").write_text("{\n" + ",\n".join(parts) + "\n}\n")
+
+
+def make_book_materials():
+    # A sphere of each material in a row, under one lamp.
+    materials = {
+        "floor": {"type": "diffuse", "color": [0.5, 0.5, 0.5]},
+        "lamp": {"type": "emitter", "emission": [9, 8.5, 8]},
+        "diffuse": {"type": "diffuse", "color": [0.75, 0.42, 0.28]},
+        "metal": {"type": "metal", "color": [0.95, 0.72, 0.35]},
+        "metal 0.4": {"type": "metal", "color": [0.95, 0.72, 0.35], "roughness": 0.4},
+        "metal-rough": {"type": "metal-rough", "color": [0.25, 0.5, 0.3], "roughness": 0.4, "metallic": 0.5},
+        "plastic": {"type": "plastic", "color": [0.1, 0.22, 0.62], "roughness": 0.1},
+        "glass": {"type": "glass", "ior": 1.5},
+        "air in glass": {"type": "glass", "ior": 0.6667},
+        "scatter": {"type": "scatter", "color": [0.8, 0.85, 0.8], "roughness": 0.3},
+        "emitter": {"type": "emitter", "emission": [1.1, 0.8, 0.35]},
+    }
+    row = ["diffuse", "metal", "metal 0.4", "metal-rough", "plastic", "glass", "glass", "scatter", "emitter"]
+    spheres = [{"center": [0, -1000, 0], "radius": 1000, "material": "floor"}]
+    spheres.append({"center": [-4, 9, 6], "radius": 2, "material": "lamp"})
+    for i, material in enumerate(row):
+        spheres.append({"center": [round(1.1 * (i - 4), 4), 0.5, 0], "radius": 0.5, "material": material})
+    spheres.append({"center": [2.2, 0.5, 0], "radius": 0.46, "material": "air in glass"})
+    camera = {"position": [0, 2.4, 16], "look_at": [0, 0.45, 0], "vertical_fov": 6}
+    sky = {"gradient": {"bottom": [0.3, 0.3, 0.3], "top": [0.5, 0.6, 0.8]}}
+    numbers = {"resolution": [720, 120], "max_bounces": 16}
+    write("book/materials.json", camera, sky, materials, numbers, spheres=spheres)
+
+
 if __name__ == "__main__":
     make_spheres()
     make_cornell()
     make_balls()
+    make_far()
+    (HERE / "book").mkdir(exist_ok=True)
+    make_book_final()
+    make_book_defocus()
+    make_book_materials()

@@ -15,7 +15,7 @@ use crate::render::{LaneChoice, Renderer, Settings};
 use crate::report::baseline::Baseline;
 use crate::report::bench::{MeasuredScene, Report, doubt, heading, meaning, ratios, row, stats_of, summary};
 use crate::report::settings::{RunSettings, own_size};
-use crate::scene::Scene;
+use crate::scene::{Scene, bench_names};
 use clap::Parser;
 use std::collections::BTreeSet;
 use std::fs;
@@ -90,7 +90,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let mut report = Report::new(options.run_settings());
     let defaults = Options::parse_from(["bench"]).run_settings();
     let (mut failed, mut own) = (false, Vec::new());
-    let scenes = scenes::checked(&options.scenes)?;
+    let scenes = scenes::checked(&options.scenes, bench_names())?;
     let baseline = options.baseline.as_deref().map(|file| options.baseline(file, &scenes)).transpose()?;
     let last_note = |report: &Report| {
         let done = format!("Ctrl-C came after {} of {} scenes", report.accuracy.len(), scenes.len());

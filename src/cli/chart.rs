@@ -17,7 +17,7 @@ use crate::report::chart::{Chart, SCHEMA, drawings, text, warnings};
 use crate::report::page::page;
 use crate::report::settings::{RunSettings, own_size, own_sizes};
 use crate::report::tables::{json, tables};
-use crate::scene::{MAX_BOUNCES, Scene};
+use crate::scene::{MAX_BOUNCES, Scene, bench_names};
 use crate::traverse::Methods;
 use crate::wording::counted;
 use clap::Parser;
@@ -54,7 +54,7 @@ const MAX_SEEDS: u32 = 1_000;
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray chart builtin:three builtin:cornell -o charts --budget 60")]
 pub struct Options {
-    /// Scene files, models, or builtin:NAME; the built-in scenes if none is given.
+    /// Scene files, models, or builtin:NAME; the built-in bench scenes if none is given.
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
     /// The folder for all files; created if it does not exist.
@@ -115,7 +115,7 @@ impl Options {
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     terminal::warn_of_debug_build("chart");
-    let names = scenes::checked(&options.scenes)?;
+    let names = scenes::checked(&options.scenes, bench_names())?;
     // The first scene is read before the kernels are timed, so that a fault in it is reported at once; the
     // others when they are charted.
     let mut first = names.first().map(|name| scenes::load(name)).transpose()?;

@@ -12,7 +12,7 @@ use crate::measure::compare::{BYTES_PER_PIXEL, compare};
 use crate::render::{Renderer, Settings};
 use crate::report::compare::{FilmHash, HashReport, Report, hash_row, heading, meaning, row};
 use crate::report::settings::RunSettings;
-use crate::scene::Loaded;
+use crate::scene::{Loaded, builtin_names};
 use clap::Parser;
 use std::process::ExitCode;
 
@@ -71,7 +71,7 @@ impl Options {
 /// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     options.frame.check(BYTES_PER_PIXEL)?;
-    let (out, scenes) = (Printer { json: options.json }, scenes::checked(&options.scenes)?);
+    let (out, scenes) = (Printer { json: options.json }, scenes::checked(&options.scenes, builtin_names())?);
     if options.hash { hash(&options, scenes, out) } else { compare_all(&options, scenes, out) }
 }
 

@@ -39,21 +39,24 @@ pub fn load_with_warnings(name: &str) -> Result<Loaded, CliError> {
     Ok(scene)
 }
 
-/// The names given, or those of the built-in scenes.
+/// The names given, or those of `built_in` scenes if none is given.
 ///
 /// Several scenes are all loaded once here and dropped, so that a fault in the last one shows before the
 /// others take their time, and only one is in memory at a time.
-pub fn checked(names: &[String]) -> Result<Vec<String>, CliError> {
+pub fn checked(
+    names: &[String],
+    built_in: impl Iterator<Item = &'static str>,
+) -> Result<Vec<String>, CliError> {
     if names.len() > 1 {
         names.iter().try_for_each(|name| load(name).map(drop))?;
     }
-    Ok(or_built_in(names))
+    Ok(or_built_in(names, built_in))
 }
 
-/// The names given, or those of the built-in scenes if none is given.
-pub fn or_built_in(names: &[String]) -> Vec<String> {
+/// The names given, or those of `built_in` scenes if none is given.
+pub fn or_built_in(names: &[String], built_in: impl Iterator<Item = &'static str>) -> Vec<String> {
     match names {
-        [] => scene::builtin_names().map(|name| format!("builtin:{name}")).collect(),
+        [] => built_in.map(|name| format!("builtin:{name}")).collect(),
         some => some.to_vec(),
     }
 }

@@ -9,7 +9,7 @@ use super::terminal::{self, Printer};
 use crate::machine::{self, Machine};
 use crate::render::Settings;
 use crate::report::numbers::figure;
-use crate::scene::Loaded;
+use crate::scene::{Loaded, builtin_names};
 use crate::viewer::keys;
 use crate::viewer::playlist::Playlist;
 use crate::viewer::{self, Summary};
@@ -171,7 +171,7 @@ impl Report {
 /// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let refuse = |what: &str, mend: &str| Err(CliError::Input(format!("{what}\n  {mend}")));
-    let names = scenes::or_built_in(&options.scenes);
+    let names = scenes::or_built_in(&options.scenes, builtin_names());
     let Some(playlist) = Playlist::new(&names) else {
         let what = "there is no scene (.json) and no model (.obj, .gltf, .glb, .ply) in";
         return refuse(&format!("{what} {}", names.join(", ")), "name a folder that holds some, or a file");

@@ -17,8 +17,8 @@ steps, each of up to one test a lane at once. Traversals of a hierarchy have the
 --lanes says. Primitives that no ray of a tile can meet, or that can occlude no light, are not tested.";
 const STAGES: &str = "\
 Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; share of all \
-stages. Where every primitive is tested, generate and intersect find the hits, otherwise trace does. Finish \
-adds what the last segments of paths end at.";
+stages. Generate makes the camera's rays; trace finds the hits of these and of all later segments; shade adds \
+emitted light, samples materials and lights; finish adds what the last segments of paths end at.";
 const LANES_IN_USE: &str = "\
 Lanes in use: rays over the lanes of the packets that hold them, and the share of rays after this number of \
 bounces in all rays. From two bounces on, tiles share packets: more of them with fewer threads.";

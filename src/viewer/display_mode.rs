@@ -40,9 +40,10 @@ impl DisplayMode {
             }
             Self::Lambert => ("n·l", "normals against a light from above, behind and left of the camera"),
             Self::Bounces => ("bounces", "black none, white all that are allowed, of the last sample"),
-            Self::Cost => {
-                ("cost", "tests of boxes and primitives for the camera's ray: black 1, white 1,024 and more")
-            }
+            Self::Cost => (
+                "cost",
+                "tests of boxes and primitives for the camera's ray: black 1, white the most of a pixel",
+            ),
             Self::Samples => ("samples", "samples behind each pixel: black 1, white 65,536 and more"),
             Self::Lanes => (
                 "lanes",
@@ -113,8 +114,14 @@ pub fn lanes(&PathShape { segments, lanes }: &PathShape, width: usize) -> u32 {
     heat_map(lanes as f32 / (segments.max(1) * width as u32) as f32)
 }
 
-pub fn cost(&Cost { boxes, primitives }: &Cost) -> u32 {
-    heat_map(((boxes + primitives) as f32).max(1.0).log2() / 10.0)
+/// The tests of a pixel.
+pub fn tests(cost: &Cost) -> u32 {
+    cost.boxes + cost.primitives
+}
+
+/// Logarithmic, white where there are `most` tests.
+pub fn cost(cost: &Cost, most: u32) -> u32 {
+    heat_map((tests(cost).max(1) as f32).log2() / (most.max(2) as f32).log2())
 }
 
 pub fn samples(count: f32) -> u32 {
@@ -178,7 +185,8 @@ mod tests {
         let shapes = [(1, 0), (2, 1), (2, 2)].map(|(segments, lanes)| PathShape { segments, lanes });
         let costs = [(0, 1), (16, 16), (1_000, 24)].map(|(boxes, primitives)| Cost { boxes, primitives });
         assert_eq!([1.0, 256.0, 65_536.0].map(samples), half);
-        assert_eq!(costs.map(|tests| cost(&tests)), half);
+        assert_eq!(costs.map(|tests| cost(&tests, 1_024)), half);
+        assert_eq!([1, 4, 16].map(|primitives| cost(&Cost { boxes: 0, primitives }, 16)), half);
         assert_eq!(shapes.map(|shape| lanes(&shape, 1)), half);
         assert_eq!(shapes.map(|shape| bounces(&shape, 2)), [0.0, 0.5, 0.5].map(heat_map));
     }

@@ -188,6 +188,13 @@ mod tests {
         controls
     }
 
+    /// The table that the README links.
+    #[test]
+    fn keys_txt_is_the_help() {
+        let lines: String = help().map(|line| line + "\n").collect();
+        assert_eq!(include_str!("keys.txt"), lines);
+    }
+
     #[test]
     fn opposites_bring_everything_back() {
         for both in ["][", "jk", "eq", "ll", "tt", "nn", "mm", "ii", "hh", "81"] {

@@ -11,6 +11,11 @@ use octray_formats::scene::{Camera, MaterialKind, Scene};
 const SIDE: u32 = 160;
 /// Margin in pixels.
 const MARGIN: f64 = 10.0;
+/// Largest radius of what the map shows as a whole, over the distance of its centre from the camera: a camera
+/// that stands on a sphere, and not far above it, sees a ground.
+const LARGEST: f64 = 0.9;
+/// A camera that is as many times as far from the scene as the scene is wide stands at the map's edge.
+const FAR: f64 = 8.0;
 const GROUND: u32 = 0x20_2428;
 const HERE: u32 = 0xff_ff40;
 
@@ -73,8 +78,10 @@ impl Minimap {
         };
         let mut shapes = shapes(scene);
         minimap.frame(&shapes, camera);
-        // The highest last. A sphere around the camera would hide the others.
-        shapes.retain(|shape| shape.radius == 0.0 || shape.corners[0].distance(camera) > shape.radius);
+        // The highest last. A sphere around the camera, or one wider than the map, would hide the others.
+        let most = f64::from(SIDE) / (2.0 * minimap.scale);
+        let seen = |radius: f64, center: DVec3| radius < most && radius < center.distance(camera);
+        shapes.retain(|shape| shape.radius == 0.0 || seen(shape.radius, shape.corners[0]));
         shapes.sort_by(|a, b| a.height(up).total_cmp(&b.height(up)));
         for shape in shapes {
             let material = &scene.materials[shape.material as usize];
@@ -89,18 +96,23 @@ impl Minimap {
         minimap
     }
 
-    /// Sets centre and scale so that the camera and the primitives fit whose bounding radius is smaller than
-    /// their distance from it. Larger ones (a floor, a planet-sized ball, a sky) are cut off, unless there
-    /// are no others.
+    /// Sets centre and scale so that the camera, unless it is [`FAR`], and the primitives fit whose bounding
+    /// radius is below [`LARGEST`] of their distance from it. Larger ones (a floor, a planet-sized ball, a sky)
+    /// are cut off, unless there are no others.
     fn frame(&mut self, shapes: &[Shape], camera: DVec3) {
         let flat = |point: DVec3| DVec2::new(point.dot(self.right), point.dot(self.down));
         let balls: Vec<(DVec3, f64)> = shapes.iter().map(Shape::ball).collect();
-        let around = |&&(center, radius): &&(DVec3, f64)| radius < center.distance(camera);
-        let some = balls.iter().any(|ball| around(&ball));
-        let (mut low, mut high) = (flat(camera), flat(camera));
-        for (center, radius) in balls.iter().filter(|ball| !some || around(ball)) {
+        let fits = |&&(center, radius): &&(DVec3, f64)| radius < LARGEST * center.distance(camera);
+        let some = balls.iter().any(|ball| fits(&ball));
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for (center, radius) in balls.iter().filter(|ball| !some || fits(ball)) {
             low = low.min(flat(*center) - *radius);
             high = high.max(flat(*center) + *radius);
+        }
+        // False where there are no primitives.
+        let far = flat(camera).distance((low + high) / 2.0) > FAR * (high - low).max_element();
+        if !far {
+            (low, high) = (low.min(flat(camera)), high.max(flat(camera)));
         }
         let middle = (low + high) / 2.0;
         self.center = self.right * middle.x + self.down * middle.y;
@@ -233,6 +245,20 @@ mod tests {
             let scene = load(&format!("builtin:{name}")).unwrap();
             let drawn = Minimap::new(&scene).ground.iter().filter(|&&pixel| pixel != GROUND).count();
             assert!(drawn > 50, "{name}: {drawn} pixels");
+        }
+    }
+
+    #[test]
+    fn a_sphere_that_is_the_ground_is_left_out_and_a_planet_is_not() {
+        for (height, radius) in [(3.0, 1.0), (1500.0, 1000.0)] {
+            let mut scene = balls([[0.0, -1000.0, 0.0], [0.0, 0.0, 0.0]]);
+            scene.spheres[0].radius = 1000.0;
+            scene.camera.position = Vec3::new(0.0, height, 10.0);
+            let minimap = Minimap::new(&scene);
+            let pixels = minimap.scale * radius;
+            assert!(pixels > 4.0 && pixels < f64::from(SIDE), "{pixels} pixels at {height}");
+            let corner = color(&minimap.ground, DVec2::splat(f64::from(SIDE) - 8.0));
+            assert_eq!(corner, GROUND);
         }
     }
 }

@@ -43,6 +43,8 @@ pub struct Painter {
     costs: PerCamera<aovs::Map<Cost>>,
     shapes: aovs::Map<PathShape>,
     distances: Vec<f32>,
+    /// Of a pixel of the last frame that showed the cost: white in its heat map.
+    pub most_tests: u32,
     /// Drawn on first use.
     minimap: Option<Minimap>,
 }
@@ -163,7 +165,9 @@ impl Painter {
             }
             DisplayMode::Cost => {
                 let costs = self.costs.get(|costs| renderer.costs_into(costs));
-                fill(pixels, &costs.pixels, display_mode::cost);
+                let most = costs.pixels.iter().map(display_mode::tests).max().unwrap_or_default();
+                fill(pixels, &costs.pixels, |cost| display_mode::cost(cost, most));
+                self.most_tests = most;
             }
             DisplayMode::Samples if input.controls.reprojection => {
                 fill(pixels, self.history.counts(), |&count| display_mode::samples(count));

@@ -8,6 +8,7 @@
 //! a new film with a seed of its own, and temporal reprojection supplies the missing samples.
 
 use super::accumulation::{Accumulation, Pose};
+use super::display_mode::DisplayMode;
 use super::file_watcher::FileWatcher;
 use super::frame::{Exchange, Frame};
 use super::loader::Loader;
@@ -303,6 +304,9 @@ impl RenderLoop {
         }
         frame.title.clone_from(&scene.name);
         self.overlay.write(&input, state, busy, &mut frame.figures);
+        if state.controls.mode == DisplayMode::Cost && !frame.figures.is_empty() {
+            frame.figures += &format!(", {}", painter.most_tests);
+        }
         accumulation.frame_shown(start, self.oldest_unshown_event.take());
         accumulation.adapt_resolution(state.controls.target);
         if let Some(requested) = self.switch_requested.take_if(|_| state.shows_current()) {

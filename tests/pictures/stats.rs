@@ -334,6 +334,14 @@ fn all_lanes_are_in_use_before_the_first_bounce_of_whole_tiles() {
 }
 
 #[test]
+fn first_hits_are_found_in_the_stage_trace() {
+    let scene = load("builtin:spheres").unwrap();
+    let settings = Settings { resolution: [64, 48], max_bounces: 0, ..Settings::of(&scene) };
+    let stats = rendered(&scene, settings, true).2;
+    assert!(stats.times[Stage::Trace as usize] > stats.times[Stage::Generate as usize], "{stats:?}");
+}
+
+#[test]
 fn testing_everything_tests_every_primitive() {
     let scene = load("builtin:cornell-spheres").unwrap();
     let [spheres, triangles] = [scene.spheres.len() as u64, scene.triangles.len() as u64];

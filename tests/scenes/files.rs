@@ -259,7 +259,7 @@ fn turn_degrees_wraps_to_less_than_a_turn() {
 fn builtin_scenes_load_with_what_their_names_promise() {
     let names: Vec<&str> = builtin_names().collect();
     let expected =
-        ["thesis", "three", "spheres", "cornell", "cornell-spheres", "balls", "materials", "chess"];
+        ["thesis", "three", "spheres", "cornell", "cornell-spheres", "balls", "materials", "chess", "far"];
     assert_eq!(names, expected);
     let counts: Vec<(usize, usize)> = names
         .iter()
@@ -271,7 +271,7 @@ fn builtin_scenes_load_with_what_their_names_promise() {
             (scene.spheres.len(), scene.triangles.len())
         })
         .collect();
-    assert_eq!(counts, [(3, 2), (3, 0), (50, 0), (0, 32), (2, 12), (10, 2), (13, 0), (4, 2)]);
+    assert_eq!(counts, [(3, 2), (3, 0), (50, 0), (0, 32), (2, 12), (10, 2), (13, 0), (4, 2), (1, 72)]);
 }
 
 #[test]
@@ -291,6 +291,15 @@ fn builtin_scenes_equal_their_files_in_the_project() {
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let scenes = files.filter(|path| path.extension().is_some_and(|end| end == "json"));
     assert_eq!(scenes.count(), builtin_names().count(), "every file is a scene inside the program");
+}
+
+#[test]
+fn scenes_of_the_book_load_without_a_warning() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/book");
+    for (file, spheres) in [("final.json", 485), ("defocus.json", 485), ("materials.json", 12)] {
+        let scene = load_with_view(folder.join(file).to_str().unwrap()).unwrap();
+        assert_eq!((scene.spheres.len(), &scene.warnings[..]), (spheres, &[][..]), "{file}");
+    }
 }
 
 #[test]

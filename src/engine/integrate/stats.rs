@@ -9,9 +9,10 @@ use std::time::Duration;
 /// A stage of the integrator, to which time is attributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Generates primary rays.
+    /// Generates primary rays, and finds none of their hits.
     Generate,
-    /// Finds the nearest hits of paths; under a sky, ends those that miss after a bounce.
+    /// Finds the nearest hits of paths, primary rays included; under a sky, ends those that miss after a
+    /// bounce.
     Trace,
     /// Adds emitted radiance, samples BSDFs and lights, compresses.
     Shade,

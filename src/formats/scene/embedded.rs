@@ -1,13 +1,16 @@
 //! The scene files and textures that are compiled into the program.
 //!
-//! For: [`names`], [`scene`], [`file`].
+//! For: [`names`], [`bench_names`], [`scene`], [`file`].
 
 use std::path::Path;
 
 /// Prefix of built-in scenes on the command line.
 pub const PREFIX: &str = "builtin:";
 
-const SCENES: [(&str, &str); 8] = [
+/// A scene that shows why methods must be robust. It says nothing about speed.
+const FAR: &str = "far";
+
+const SCENES: [(&str, &str); 9] = [
     ("thesis", include_str!("../scenes/thesis.json")),
     ("three", include_str!("../scenes/three.json")),
     ("spheres", include_str!("../scenes/spheres.json")),
@@ -16,6 +19,7 @@ const SCENES: [(&str, &str); 8] = [
     ("balls", include_str!("../scenes/balls.json")),
     ("materials", include_str!("../scenes/materials.json")),
     ("chess", include_str!("../scenes/chess.json")),
+    (FAR, include_str!("../scenes/far.json")),
 ];
 
 const FILES: [(&str, &[u8]); 2] = [
@@ -26,6 +30,11 @@ const FILES: [(&str, &[u8]); 2] = [
 /// The names that may follow `builtin:`.
 pub fn names() -> impl Iterator<Item = &'static str> {
     SCENES.iter().map(|&(name, _)| name)
+}
+
+/// The scenes that commands which measure speed take where none is named.
+pub fn bench_names() -> impl Iterator<Item = &'static str> {
+    names().filter(|&name| name != FAR)
 }
 
 /// The text of a built-in scene.

@@ -64,7 +64,7 @@ mod write;
 
 pub use camera_path::{CameraPath, Keyframe};
 pub use convert::{Converted, convert_model};
-pub use embedded::names as builtin_names;
+pub use embedded::{bench_names, names as builtin_names};
 pub use error::SceneError;
 pub use files::has_extension;
 pub use load::{load, load_from, load_with_view, may_be_scene};

@@ -1,5 +1,5 @@
 //! Rays against axis-aligned boxes: the engine's test, and those of other renderers. The shares of false
-//! misses are those of rays aimed at corners and edges, as `octray stability` measures them.
+//! misses are those of `boxes-corners` and `boxes-faces` of `octray stability`.
 //!
 //! A zero component of the direction divides to infinity, and a plane through the origin then gives 0 · ∞ =
 //! NaN. Where planes are picked by the direction's sign, [`Lane::max`] and [`Lane::min`] leave NaN out of the
@@ -122,9 +122,10 @@ impl BoxMethod for BySignWidened {
 
 /// p · (1 / d) − o / d as one FMA per plane, without padding.
 ///
-/// Error: a false miss for 9 % of rays, and for a third where the box is small and far from the origin of the
-/// coordinates: the difference p − o, which was nearly exact, is lost. With FMA, for half of the rays that
-/// run nearly in the plane of a face: p / d − o / d cancels to the rounding of o / d, which is large.
+/// Error: a false miss for 10 % of rays, and for a third where the box is small and far from the origin of
+/// the coordinates (without FMA a quarter): the difference p − o, which was nearly exact, is lost. With FMA,
+/// for half of the rays that run nearly in the plane of a face: p / d − o / d cancels to the rounding of
+/// o / d, which is large.
 pub struct Contracted;
 
 /// 1 / direction, and −origin / direction.

@@ -30,7 +30,7 @@ const BLOCK: usize = 16;
 /// a linear file has none. Traces two samples of some tiles, and changes no bit of the picture.
 pub fn warnings(renderer: &mut Renderer, scene: &Scene, film: &Film, tone: Option<Tone>) -> Vec<String> {
     // Without light, the scene has its own warning.
-    if film.pixels_begun() < film.pixels() || !has_light(scene) {
+    if film.pixels_begun() < film.pixels() || scene.sky.is_black() && !scene.emits() {
         return Vec::new();
     }
     let brightness = Brightness::of(film);
@@ -71,13 +71,6 @@ fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>)
     } else {
         "no path has found a light: make it larger, or move away what is in front of it".to_string()
     }
-}
-
-fn has_light(scene: &Scene) -> bool {
-    let emits = |material: u32| scene.materials[material as usize].emits();
-    !scene.sky.is_black()
-        || scene.spheres.iter().any(|sphere| emits(sphere.material))
-        || scene.triangles.iter().any(|triangle| emits(triangle.material))
 }
 
 /// How bright the pixels of a film are, by their brightest channel.

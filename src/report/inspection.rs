@@ -6,7 +6,7 @@ use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
 use super::numbers::bytes;
 use super::text::item;
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
-use crate::scene::{Filter, Loaded, Material, MaterialKind, Rendering, Scene, Sky, Texture, View, bounds};
+use crate::scene::{Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, View};
 use crate::traverse::features_of;
 use crate::wording::{counted, grouped};
 use glam::Vec3;
@@ -142,7 +142,7 @@ impl Inspection {
                 up: scene.camera.up.into(),
                 vertical_fov: scene.camera.vertical_fov,
             },
-            bounds: bounds(&scene.spheres, &scene.triangles).map(|(lower, upper)| Bounds {
+            bounds: (scene.primitives() > 0).then(|| scene.bounds()).map(|(lower, upper)| Bounds {
                 lower: lower.as_vec3().into(),
                 upper: upper.as_vec3().into(),
             }),
@@ -294,11 +294,9 @@ impl TextureReport {
 
 impl LightReport {
     fn of(scene: &Scene, lights: &Lights) -> Self {
-        let shines = |material: u32| scene.materials[material as usize].emits();
-        let spheres = scene.spheres.iter().filter(|sphere| shines(sphere.material)).count();
-        let triangles = scene.triangles.iter().filter(|triangle| shines(triangle.material)).count();
+        let emits = |primitive: &Primitive| scene.materials[primitive.material() as usize].emits();
         Self {
-            emitters: spheres + triangles,
+            emitters: scene.all_primitives().filter(emits).count(),
             // Two triangles may be one light.
             sampled: lights.probabilities.iter().filter(|&&probability| probability > 0.0).count()
                 - usize::from(lights.sky.is_some()),

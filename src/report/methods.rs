@@ -88,7 +88,7 @@ impl HierarchyReport {
         Self {
             build: builds.remove(0),
             bytes,
-            bytes_per_primitive: bytes as f64 / (scene.spheres.len() + scene.triangles.len()) as f64,
+            bytes_per_primitive: bytes as f64 / scene.primitives() as f64,
             fault: tree.as_ref().err().cloned(),
             tree: tree.ok(),
         }

@@ -37,11 +37,8 @@ fn place(vertex: &Value, scene: &Scene) -> String {
     let Some(primitive) = vertex["primitive"].as_u64().map(|index| index as usize) else {
         return (if vertex.is_null() { "no vertex" } else { "the environment" }).into();
     };
-    let (list, index, material) = match primitive.checked_sub(scene.spheres.len()) {
-        None => ("spheres", primitive, scene.spheres[primitive].material),
-        Some(index) => ("triangles", index, scene.triangles[index].material),
-    };
-    let material = &scene.materials[material as usize];
+    let (list, index) = scene.place(primitive);
+    let material = &scene.materials[scene.primitive(primitive).material() as usize];
     let lobe = vertex["lobe"].as_str().unwrap_or("the path ends");
     format!("{list}[{index}], `{}` ({}), {lobe}", material.name, type_of(material.kind))
 }

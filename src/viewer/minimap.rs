@@ -5,7 +5,7 @@
 use super::camera_controller::CameraController;
 use super::display_mode::rgb;
 use glam::{DVec2, DVec3};
-use octray_formats::scene::{Camera, MaterialKind, Scene};
+use octray_formats::scene::{Camera, MaterialKind, Primitive, Scene};
 
 /// Side of the minimap in pixels.
 const SIDE: u32 = 160;
@@ -30,7 +30,7 @@ pub struct Minimap {
     scale: f64,
 }
 
-/// A primitive: a sphere's centre and radius, or a triangle's vertices.
+/// A primitive: its [`Primitive::hull`].
 struct Shape {
     corners: Vec<DVec3>,
     radius: f64,
@@ -38,17 +38,12 @@ struct Shape {
 }
 
 fn shapes(scene: &Scene) -> Vec<Shape> {
-    let spheres = scene.spheres.iter().map(|sphere| Shape {
-        corners: vec![sphere.center.as_dvec3()],
-        radius: sphere.radius.into(),
-        material: sphere.material,
-    });
-    let triangles = scene.triangles.iter().map(|triangle| Shape {
-        corners: triangle.vertices.map(|vertex| vertex.as_dvec3()).into(),
-        radius: 0.0,
-        material: triangle.material,
-    });
-    spheres.chain(triangles).collect()
+    let shape = |primitive: Primitive| {
+        let (points, radius) = primitive.hull();
+        let corners = points.iter().map(|point| point.as_dvec3()).collect();
+        Shape { corners, radius: radius.into(), material: primitive.material() }
+    };
+    scene.all_primitives().map(shape).collect()
 }
 
 impl Shape {

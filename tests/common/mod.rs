@@ -36,14 +36,7 @@ pub fn empty() -> Scene {
         resolution: [24, 16],
         max_bounces: 4,
         sky: Sky::Color(Vec3::ONE),
-        materials: Vec::new(),
-        textures: Vec::new(),
-        spheres: Vec::new(),
-        triangles: Vec::new(),
-        uvs: Vec::new(),
-        normals: Vec::new(),
-        warnings: Vec::new(),
-        files: Vec::new(),
+        ..Scene::default()
     }
 }
 

@@ -3,8 +3,10 @@
 //! and where builders fail.
 
 use crate::common::*;
-use octray::bvh::check::{Statistics, check};
+use octray::bvh::check::{Statistics, check, check_scene};
 use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, WIDE, WideNode};
+use octray::kernel::ray_box::sphere_bounds;
+use octray::kernel::surface::triangle_bounds;
 use std::path::Path;
 
 /// Builds over boxes, of which the first `spheres` count as spheres, and checks.
@@ -16,17 +18,8 @@ fn valid(spheres: usize, boxes: &[Bounds]) -> Statistics {
     statistics
 }
 
-fn bounds_of(scene: &Scene, number: usize) -> Bounds {
-    match scene.spheres.get(number) {
-        Some(sphere) => Bounds::of_sphere(sphere.center, sphere.radius),
-        None => Bounds::of_triangle(scene.triangles[number - scene.spheres.len()].vertices),
-    }
-}
-
 fn valid_scene(scene: &Scene) -> Statistics {
-    let bvh = Bvh::new(scene, Trees::WideAndBinary);
-    let count = scene.spheres.len() + scene.triangles.len();
-    check(&bvh, scene.spheres.len(), count, |number| bounds_of(scene, number)).unwrap()
+    check_scene(&Bvh::new(scene, Trees::WideAndBinary), scene).unwrap()
 }
 
 fn at(point: DVec3, size: f64) -> Bounds {
@@ -65,7 +58,7 @@ fn sphere_box_holds_the_sphere() {
     for _ in 0..100_000 {
         let (center, radius) = (rng.in_cube() * rng.scale(1e-6, 1e6), rng.scale(1e-6, 1e6));
         let (center, radius) = (center.as_vec3(), radius as f32);
-        let bounds = Bounds::of_sphere(center, radius);
+        let bounds = Bounds::new(sphere_bounds(center, radius));
         let (low, high) = (center.as_dvec3() - f64::from(radius), center.as_dvec3() + f64::from(radius));
         // Sums of two f32 may need more than f64's bits; what is lost is far below half a unit of f32.
         assert!(bounds.lo.as_dvec3().cmple(low).all() && bounds.hi.as_dvec3().cmpge(high).all());
@@ -149,7 +142,7 @@ fn mixed_scales_and_slivers_make_valid_trees() {
         random(20_000, |rng| at(rng.in_cube() * 2e18, 0.0)),
         random(20_000, |rng| {
             let (point, way) = (rng.in_cube(), rng.direction() * rng.scale(1e-3, 1.0));
-            Bounds::of_triangle([point, point + way, point + way * 0.5].map(|v| v.as_vec3()))
+            Bounds::new(triangle_bounds([point, point + way, point + way * 0.5].map(|v| v.as_vec3())))
         }),
         // Longer than the distance between them, along one axis.
         random(20_000, |rng| {
@@ -179,7 +172,7 @@ fn threads_do_not_change_a_bit() {
                 bytemuck::cast_slice(&bvh.wide).to_vec(),
                 bytemuck::cast_slice(&bvh.binary).to_vec(),
                 leaves(&bvh.triangle_leaves),
-                leaves(&bvh.sphere_leaves),
+                leaves(&bvh.quadric_leaves),
             ];
             assert!(first.get_or_insert_with(|| bits.clone()) == &bits, "{threads} threads");
         }
@@ -194,9 +187,9 @@ fn the_wide_tree_is_the_same_without_the_binary_one() {
     assert!(!both.binary.is_empty() && wide.binary.is_empty());
     let bits = |bvh: &Bvh| bytemuck::cast_slice::<_, u32>(&bvh.wide).to_vec();
     assert!(bits(&both) == bits(&wide) && both.bounds == wide.bounds);
-    assert!(both.triangle_leaves == wide.triangle_leaves && both.sphere_leaves == wide.sphere_leaves);
+    assert!(both.triangle_leaves == wide.triangle_leaves && both.quadric_leaves == wide.quadric_leaves);
     assert!(both.bytes() > wide.bytes());
-    let statistics = check(&wide, 300, 1000, |number| bounds_of(&scene, number)).unwrap();
+    let statistics = check_scene(&wide, &scene).unwrap();
     assert_eq!((statistics.binary_nodes, statistics.binary_depth), (0, 0));
 }
 

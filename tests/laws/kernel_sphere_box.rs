@@ -7,7 +7,7 @@
 
 use crate::common::*;
 use octray::bvh::Bounds;
-use octray::kernel::ray_box::{BoxRay, Padding, sphere_padding};
+use octray::kernel::ray_box::{BoxRay, Padding, sphere_bounds, sphere_padding};
 use octray::kernel::ray_sphere::Robust;
 use octray::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use octray::math::EPSILON;
@@ -177,7 +177,7 @@ fn rays_pass_the_boxes_of_spheres_they_hit_and_enter_them_no_later() {
     for length in LENGTHS {
         for distances in DISTANCES {
             each_hit(92, 60_000, distances, length, |found| {
-                let bounds = Bounds::of_sphere(found.center, found.radius);
+                let bounds = Bounds::new(sphere_bounds(found.center, found.radius));
                 let extent = bounds.lo.abs().max(bounds.hi.abs()).max_element();
                 let padding = Padding::new(extent).with_spheres();
                 let slabs = BoxRay::new(&ray(found.origin, found.direction), padding);

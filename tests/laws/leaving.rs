@@ -25,7 +25,7 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
         let vertices = [(); 3].map(|()| rng.in_cube().as_vec3());
         let scene = Scene { spheres: vec![ball], triangles: vec![triangle(vertices, 0)], ..diffuse() };
         let buffers = Buffers::new(&scene);
-        let [x, y, z, inverse_radius, offset, ..] = buffers.sphere_rows.fetch::<f32>(0, true);
+        let [x, y, z, inverse_radius, offset, ..] = buffers.quadric_rows.fetch::<f32>(0, true);
         assert_eq!((vec3(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));
         assert_eq!(offset, sphere_offset(ball.center, ball.radius));
         let [ax, ay, az, abx, aby, abz, offset, ..] = buffers.triangle_rows.fetch::<f32>(0, true);

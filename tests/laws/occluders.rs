@@ -95,7 +95,7 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
         let Some(Occluders { list, .. }) = Occluders::of(&scene, &lights, None) else { continue };
         let spheres = scene.spheres.len();
         let count = spheres + scene.triangles.len();
-        let listed: Vec<usize> = (list.spheres.iter().map(|&index| index as usize))
+        let listed: Vec<usize> = (list.quadrics.iter().map(|&index| index as usize))
             .chain(list.triangles.iter().map(|&index| spheres + index as usize))
             .collect();
         (rooms, left_out) = (rooms + 1, left_out + count - listed.len());
@@ -125,7 +125,7 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
 /// Indices of the spheres and triangles that can occlude a light; all if none is left out.
 fn listed(scene: &Scene) -> Option<[Vec<u32>; 2]> {
     let lights = Lights::new(scene, LightChoice::On);
-    Occluders::of(scene, &lights, None).map(|found| [found.list.spheres, found.list.triangles])
+    Occluders::of(scene, &lights, None).map(|found| [found.list.quadrics, found.list.triangles])
 }
 
 #[test]

@@ -51,7 +51,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
         {
             let visible = PrimitiveList::of(&scene, &camera.view_frustum([x, y], [TILE, TILE]));
-            let listed = visible.spheres.len() + visible.triangles.len();
+            let listed = visible.quadrics.len() + visible.triangles.len();
             skipped += 120 - listed;
             empty_lists += usize::from(listed == 0);
             let rays = primary_rays(&camera, [x, y]);
@@ -183,5 +183,5 @@ fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
     scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];
     scene.triangles.clear();
     let frustum = Pinhole::new(&camera, RESOLUTION).view_frustum([28, 20], [TILE, TILE]);
-    assert_eq!(PrimitiveList::of(&scene, &frustum).spheres, [0, 2, 3]);
+    assert_eq!(PrimitiveList::of(&scene, &frustum).quadrics, [0, 2, 3]);
 }

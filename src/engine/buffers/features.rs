@@ -38,7 +38,7 @@ features! {
     LINEAR_TEXTURES = 15, "linear-textures";
     SKY_GRADIENT = 10, "sky-gradient";
     SKY_TEXTURE = 11, "sky-texture";
-    /// More spheres than a register table holds.
+    /// More quadrics than a register table holds.
     MANY_SPHERES = 12, "many-spheres";
     /// More triangles than a register table holds.
     MANY_TRIANGLES = 13, "many-triangles";
@@ -106,7 +106,7 @@ impl Features {
         };
         need(!scene.spheres.is_empty(), Self::SPHERES);
         need(!scene.triangles.is_empty(), Self::TRIANGLES);
-        need(scene.spheres.len() > Rows::FEW, Self::MANY_SPHERES);
+        need(scene.first_triangle() > Rows::FEW, Self::MANY_SPHERES);
         // Two rows a triangle.
         need(2 * scene.triangles.len() > Rows::FEW, Self::MANY_TRIANGLES);
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
@@ -147,7 +147,6 @@ impl Features {
 /// The materials that some primitive has.
 fn used_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
     let mut is_used = vec![false; scene.materials.len()];
-    scene.spheres.iter().for_each(|sphere| is_used[sphere.material as usize] = true);
-    scene.triangles.iter().for_each(|triangle| is_used[triangle.material as usize] = true);
+    scene.all_primitives().for_each(|primitive| is_used[primitive.material() as usize] = true);
     scene.materials.iter().zip(is_used).filter(|(_, is_used)| *is_used).map(|(material, _)| material)
 }

@@ -2,23 +2,17 @@
 
 use super::environment_light::EnvironmentLight;
 use super::lights::LightChoice;
-use crate::scene::{Material, MaterialKind, Primitive, Scene, Sphere, Texture, Triangle};
+use crate::scene::{Material, MaterialKind, Primitive, Scene, Sphere, Texture};
 use glam::{DVec2, DVec3};
 use std::f32::consts::PI;
 
 /// The power that a primitive emits, 0 if it is not to be sampled.
 pub(super) fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
-    let emission = |material: u32| mean_emission(scene, number, &scene.materials[material as usize]);
     match scene.primitive(number) {
         Primitive::Sphere(sphere) if choice != LightChoice::On && surrounds(scene, sphere) => 0.0,
-        Primitive::Sphere(&Sphere { radius, material, .. }) => {
-            let radius = f64::from(radius);
-            4.0 * f64::from(PI) * f64::from(PI) * radius * radius * emission(material)
-        }
-        Primitive::Triangle(&Triangle { vertices, material }, _) => {
-            let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
-            // Both sides emit.
-            f64::from(PI) * (b - a).cross(c - a).length() * emission(material)
+        primitive => {
+            let material = &scene.materials[primitive.material() as usize];
+            primitive.unit_power() * mean_emission(scene, number, material)
         }
     }
 }
@@ -45,8 +39,7 @@ fn emission_texture<'a>(scene: &'a Scene, material: &Material) -> Option<&'a Tex
 /// Whether a texture multiplies what a primitive emits.
 pub(super) fn has_texture(scene: &Scene, number: usize) -> bool {
     number < scene.primitives() && {
-        let (Primitive::Sphere(&Sphere { material, .. })
-        | Primitive::Triangle(&Triangle { material, .. }, _)) = scene.primitive(number);
+        let material = scene.primitive(number).material();
         emission_texture(scene, &scene.materials[material as usize]).is_some()
     }
 }
@@ -66,11 +59,7 @@ fn mean_emission(scene: &Scene, number: usize, material: &Material) -> f64 {
     let cells = (0..GRID * GRID)
         .map(|cell| DVec2::new((cell % GRID) as f64 + 0.5, (cell / GRID) as f64 + 0.5) / GRID as f64);
     let mean: DVec3 = match scene.primitive(number) {
-        // Equal heights of a sphere have equal areas.
-        Primitive::Sphere(_) => {
-            cells.map(|at| texel(DVec2::new(at.x, 1.0 - (1.0 - 2.0 * at.y).acos() / f64::from(PI)))).sum()
-        }
-        Primitive::Triangle(_, index) => match scene.uvs.get(index) {
+        Primitive::Triangle(_) => match scene.uvs.get(number - scene.first_triangle()) {
             Some(uvs) => {
                 let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
                 let point = |at: DVec2| if at.x + at.y > 1.0 { DVec2::ONE - at } else { at };
@@ -78,6 +67,8 @@ fn mean_emission(scene: &Scene, number: usize, material: &Material) -> f64 {
             }
             None => DVec3::ONE * (GRID * GRID) as f64,
         },
+        // Equal heights of a sphere have equal areas.
+        _ => cells.map(|at| texel(DVec2::new(at.x, 1.0 - (1.0 - 2.0 * at.y).acos() / f64::from(PI)))).sum(),
     };
     (emission * mean).element_sum() / (3 * GRID * GRID) as f64
 }

@@ -11,7 +11,7 @@ use crate::choice::choices;
 use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::lane::{Bits, Lane};
 use crate::math::MISS;
-use crate::scene::{MaterialKind, Primitive, Scene, Sphere, Triangle};
+use crate::scene::{MaterialKind, Primitive, Scene, Triangle};
 use std::collections::HashMap;
 use std::f32::consts::PI;
 
@@ -106,13 +106,13 @@ impl Lights {
         if total <= 0.0 || !total.is_finite() {
             return Self::default();
         }
-        let spheres = scene.spheres.len();
+        let quadrics = scene.first_triangle();
         let merge = choice != LightChoice::Power;
         let halves =
-            if merge { quads::find(scene, |triangle| powers[spheres + triangle]) } else { HashMap::new() };
+            if merge { quads::find(scene, |triangle| powers[quadrics + triangle]) } else { HashMap::new() };
         // The first half of each parallelogram stands for both.
         let partner =
-            |number: usize| halves.get(&number.wrapping_sub(spheres)).map(|half| spheres + half.partner);
+            |number: usize| halves.get(&number.wrapping_sub(quadrics)).map(|half| quadrics + half.partner);
         let first = |number: usize| partner(number).map_or(number, |other| number.min(other));
         let mut light_powers = vec![0.0; powers.len()];
         powers.iter().enumerate().for_each(|(number, power)| light_powers[first(number)] += power);
@@ -123,7 +123,7 @@ impl Lights {
         (0..powers.len()).for_each(|number| probabilities[number] = probabilities[first(number)]);
         let mut diagonals = vec![0; if halves.is_empty() { 0 } else { scene.triangles.len() }];
         halves.iter().for_each(|(&triangle, half)| diagonals[triangle] = half.corner as u8 + 1);
-        let corner = |number: usize| halves.get(&number.wrapping_sub(spheres)).map(|half| half.corner);
+        let corner = |number: usize| halves.get(&number.wrapping_sub(quadrics)).map(|half| half.corner);
         let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
         let is_textured = |number: &&usize| has_texture(scene, **number);
         let hits_decide = lights.iter().find(is_textured).is_some()
@@ -140,7 +140,7 @@ impl Lights {
             })),
             rows: Rows::new(lights.iter().zip(&shares).flat_map(|(&number, &share)| {
                 let offset = partner(number)
-                    .map_or(0.0, |other| triangle_offset(scene.triangles[other - spheres].vertices));
+                    .map_or(0.0, |other| triangle_offset(scene.triangles[other - quadrics].vertices));
                 rows(scene, number, share as f32, corner(number).map(|corner| (corner, offset)))
             })),
             alias_table: AliasTable::new(&shares),
@@ -212,20 +212,14 @@ fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32
     if number == scene.primitives() {
         return [[0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, probability], [0.0; 8]];
     }
-    let emission = |material: u32| scene.materials[material as usize].emission;
-    match scene.primitive(number) {
-        Primitive::Sphere(&Sphere { center, radius, material, .. }) => {
-            let e = emission(material);
-            let offset = sphere_offset(center, radius);
-            [
-                [center.x, center.y, center.z, radius, e.x, e.y, e.z, probability],
-                [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, offset],
-            ]
-        }
-        Primitive::Triangle(&Triangle { vertices, material }, _) => {
+    let primitive = scene.primitive(number);
+    let (points, radius) = primitive.hull();
+    let e = scene.materials[primitive.material() as usize].emission;
+    match primitive {
+        Primitive::Triangle(&Triangle { vertices, .. }) => {
             let (corner, other) = quad.unwrap_or_default();
             let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3]);
-            let (ab, ac, e) = (b - a, c - a, emission(material));
+            let (ab, ac) = (b - a, c - a);
             // The halves of a parallelogram agree within the offset of either.
             let offset = triangle_offset(vertices) + other;
             let is_quad = f32::from(u8::from(quad.is_some()));
@@ -234,6 +228,11 @@ fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32
                 [ab.x, ab.y, ab.z, ac.x, ac.y, ac.z, is_quad, offset],
             ]
         }
+        // All other lights are spheres.
+        _ => [
+            [points[0].x, points[0].y, points[0].z, radius, e.x, e.y, e.z, probability],
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, sphere_offset(points[0], radius)],
+        ],
     }
 }
 
@@ -251,10 +250,7 @@ fn importance_row(
     }
     let power = power / f64::from(PI);
     match scene.primitive(number) {
-        Primitive::Sphere(&Sphere { center, radius, .. }) => {
-            [center.x, center.y, center.z, radius, 0.0, 0.0, 0.0, (0.25 * power) as f32]
-        }
-        Primitive::Triangle(Triangle { vertices, .. }, _) => {
+        Primitive::Triangle(Triangle { vertices, .. }) => {
             let corner = quad.unwrap_or_default();
             let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3].as_dvec3());
             let center = if quad.is_some() { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
@@ -262,6 +258,10 @@ fn importance_row(
             let n = (b - a).cross(c - a).normalize().as_vec3();
             let center = center.as_vec3();
             [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, (0.5 * power) as f32]
+        }
+        sphere => {
+            let (points, radius) = sphere.hull();
+            [points[0].x, points[0].y, points[0].z, radius, 0.0, 0.0, 0.0, (0.25 * power) as f32]
         }
     }
 }

@@ -7,6 +7,7 @@
 
 mod environment_light;
 pub mod features;
+mod geometry;
 mod light_power;
 mod lights;
 mod mip_chain;
@@ -17,13 +18,14 @@ mod texels;
 
 pub use environment_light::EnvironmentLight;
 pub use features::Features;
+pub use geometry::quadric_surface;
 pub use lights::{LightChoice, Lights};
 pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::{metal_rough, plastic};
 use crate::kernel::ray_triangle::TriangleMethod;
-use crate::kernel::surface::{self, sphere_offset, triangle_normal, triangle_offset};
-use crate::scene::{self, MaterialKind, Scene, Side};
+use crate::kernel::surface::{self, triangle_normal, triangle_offset};
+use crate::scene::{self, MaterialKind, Scene};
 use glam::Vec3;
 use rows::Rows;
 
@@ -31,11 +33,13 @@ use rows::Rows;
 pub struct Buffers {
     /// The features that the scene uses.
     pub needs: Features,
-    /// The number of spheres: of primitives, they come first.
-    pub spheres: u32,
-    /// One row of eight a sphere: centre, one over the radius, offset of leaving rays, material (bits),
-    /// texture turn (see `texture_turn`), probability of being chosen as a light.
-    pub sphere_rows: Rows,
+    /// The number of the first triangle: of primitives, quadrics come first.
+    pub first_triangle: u32,
+    /// One row of eight a quadric. Of a sphere: centre, one over the radius, offset of leaving rays, material
+    /// (bits), texture turn, probability of being chosen as a light. The turn's sign bit is set where the
+    /// texture is oriented to be seen from outside: with the angle's sign flipped by it, the angle plus this
+    /// number is u on both sides.
+    pub quadric_rows: Rows,
     /// Two rows of eight a triangle: a, ab, offset, material and [`Lights::diagonals`] (bits, see
     /// [`DIAGONAL_SHIFT`]); ac, unit normal, probability of being chosen as a light,
     /// [`surface::near_edge`].
@@ -140,16 +144,16 @@ impl Buffers {
     pub fn with_lights(scene: &Scene, choice: LightChoice) -> Self {
         let lights = Lights::new(scene, choice);
         let probability = |number: usize| lights.probabilities.get(number).copied().unwrap_or(0.0);
-        let spheres = scene.spheres.iter().enumerate();
+        let quadrics = scene.all_primitives().take(scene.first_triangle()).enumerate();
         let triangles = scene.triangles.iter().enumerate();
         let diagonal = |number: usize| lights.diagonals.get(number).copied().unwrap_or(0);
         let of_triangle = |(number, triangle)| {
-            triangle_rows(triangle, probability(scene.spheres.len() + number), diagonal(number))
+            triangle_rows(triangle, probability(scene.first_triangle() + number), diagonal(number))
         };
         Self {
             needs: Features::of(scene).with(lights.needs()),
-            spheres: scene.spheres.len() as u32,
-            sphere_rows: Rows::new(spheres.map(|(number, sphere)| sphere_row(sphere, probability(number)))),
+            first_triangle: scene.first_triangle() as u32,
+            quadric_rows: Rows::new(quadrics.map(|(number, one)| one.quadric_row(probability(number)))),
             triangle_rows: Rows::new(triangles.flat_map(of_triangle)),
             uv_rows: Rows::new(scene.triangles.iter().zip(&scene.uvs).map(uv_row)),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
@@ -165,8 +169,8 @@ impl Buffers {
 
     /// Bytes held, without the triangles' intersection data.
     pub fn bytes(&self) -> usize {
-        let Self { sphere_rows, triangle_rows, uv_rows, normal_rows, tangent_rows, .. } = self;
-        let rows = [sphere_rows, triangle_rows, uv_rows, normal_rows, tangent_rows];
+        let Self { quadric_rows, triangle_rows, uv_rows, normal_rows, tangent_rows, .. } = self;
+        let rows = [quadric_rows, triangle_rows, uv_rows, normal_rows, tangent_rows];
         let rows = rows.into_iter().chain([&self.material_rows, &self.material_extra]);
         rows.map(Rows::bytes).sum::<usize>() + self.textures.bytes() + self.lights.bytes()
     }
@@ -190,23 +194,6 @@ impl Sky {
                 Self { bottom: color, rise: Vec3::ZERO, texture, turn }
             }
         }
-    }
-}
-
-/// See [`Buffers::sphere_rows`].
-fn sphere_row(sphere: &scene::Sphere, probability: f32) -> [f32; 8] {
-    let [x, y, z] = sphere.center.to_array();
-    let offset = sphere_offset(sphere.center, sphere.radius);
-    let material = f32::from_bits(sphere.material);
-    [x, y, z, 1.0 / sphere.radius, offset, material, texture_turn(sphere), probability]
-}
-
-/// A sphere's texture turn, its sign bit set (on 0 too) where the texture is oriented to be seen from
-/// outside: with the angle's sign flipped by that bit, the angle plus this number is u on both sides.
-fn texture_turn(sphere: &scene::Sphere) -> f32 {
-    match sphere.texture_side {
-        Side::Inside => sphere.texture_turn,
-        Side::Outside => -sphere.texture_turn,
     }
 }
 

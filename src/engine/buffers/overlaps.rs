@@ -20,7 +20,7 @@ pub(super) fn exist(scene: &Scene, is_light: impl Fn(usize) -> bool) -> bool {
     let count = scene.primitives();
     let (lower, upper) = scene.bounds();
     let diagonal = (upper - lower).length();
-    let boxes: Vec<[DVec3; 2]> = (0..count).map(|number| bounds(scene.primitive(number))).collect();
+    let boxes: Vec<[DVec3; 2]> = scene.all_primitives().map(|one| one.extent()).collect();
     let close = |number: usize| {
         let [lower, upper] = boxes[number];
         let rounding = f64::from(EPSILON) * 16.0 * lower.abs().max(upper.abs()).max_element();
@@ -52,19 +52,6 @@ pub(super) fn exist(scene: &Scene, is_light: impl Fn(usize) -> bool) -> bool {
     false
 }
 
-fn bounds(primitive: Primitive) -> [DVec3; 2] {
-    match primitive {
-        Primitive::Sphere(sphere) => {
-            let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
-            [center - radius, center + radius]
-        }
-        Primitive::Triangle(triangle, _) => {
-            let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
-            [a.min(b).min(c), a.max(b).max(c)]
-        }
-    }
-}
-
 /// Whether pieces of two primitives are closer than `within`.
 fn share_surface(scene: &Scene, pair: [usize; 2], within: f64) -> bool {
     match pair.map(|number| scene.primitive(number)) {
@@ -72,7 +59,7 @@ fn share_surface(scene: &Scene, pair: [usize; 2], within: f64) -> bool {
             let distance = (one.center.as_dvec3() - other.center.as_dvec3()).length();
             (distance - f64::from(one.radius - other.radius).abs()).abs() < within
         }
-        [Primitive::Triangle(one, _), Primitive::Triangle(other, _)] => covers(one, other, within),
+        [Primitive::Triangle(one), Primitive::Triangle(other)] => covers(one, other, within),
         _ => false,
     }
 }

@@ -1,9 +1,6 @@
 //! Axis-aligned boxes: as lower and upper corner, and packed into one register for the builder.
 
-use crate::kernel::ray_box::sphere_padding;
-use crate::kernel::surface::triangle_bounds;
 use crate::lane::{F32x8, Lane, Mask8};
-use crate::scene::Primitive;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -20,26 +17,9 @@ impl Bounds {
     /// The empty box: the identity of `union`; no ray hits it.
     pub const EMPTY: Self = Self { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
 
-    /// Exactly the smallest box: no rounding.
-    pub fn of_triangle(vertices: [Vec3; 3]) -> Self {
-        let [lo, hi] = triangle_bounds(vertices);
+    /// From its lower and upper corner.
+    pub const fn new([lo, hi]: [Vec3; 2]) -> Self {
         Self { lo, hi }
-    }
-    /// A box that holds the sphere and all computed hit points, except for the part of their error that grows
-    /// with the distance of the ray's origin ([`crate::kernel::ray_box::Padding`] covers that). centre ±
-    /// radius is rounded by at most half a unit in the last place, so one unit outwards is enough. Domain:
-    /// |centre| + radius well below f32's largest number, which scene validation ensures.
-    pub fn of_sphere(center: Vec3, radius: f32) -> Self {
-        let outwards = |x: Vec3, to: fn(f32) -> f32| Vec3::new(to(x.x), to(x.y), to(x.z));
-        let half = radius + sphere_padding(center, radius);
-        Self { lo: outwards(center - half, f32::next_down), hi: outwards(center + half, f32::next_up) }
-    }
-    /// The box of a scene's primitive.
-    pub fn of_primitive(primitive: Primitive) -> Self {
-        match primitive {
-            Primitive::Sphere(sphere) => Self::of_sphere(sphere.center, sphere.radius),
-            Primitive::Triangle(triangle, _) => Self::of_triangle(triangle.vertices),
-        }
     }
     /// The smallest box that holds both.
     pub fn union(self, other: Self) -> Self {

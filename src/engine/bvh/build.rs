@@ -28,9 +28,9 @@ pub(super) struct BuildNode {
 }
 
 /// The parameters of a build.
-pub(super) struct Builder<'a> {
-    /// Whether a primitive, by its number, is a sphere: leaves hold one kind.
-    pub is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
+pub(super) struct Builder {
+    /// How many of the primitives, the first ones, are quadrics: leaves hold either those or triangles.
+    pub quadrics: u32,
 }
 
 /// Levels of halving until each part fits a leaf.
@@ -38,7 +38,7 @@ fn levels(count: usize) -> u32 {
     count.div_ceil(LEAF).next_power_of_two().ilog2()
 }
 
-impl Builder<'_> {
+impl Builder {
     /// The tree over the boxes, and its costs.
     pub fn build(&self, boxes: &mut [PackedBox]) -> (Vec<BuildNode>, Costs) {
         let mut nodes = Vec::with_capacity(boxes.len() / 2);
@@ -90,7 +90,7 @@ impl Builder<'_> {
     }
 
     fn homogeneous(&self, boxes: &[PackedBox]) -> bool {
-        let mut kinds = boxes.iter().map(|one| (self.is_sphere)(one.number()));
+        let mut kinds = boxes.iter().map(|one| one.number() < self.quadrics);
         let first = kinds.next();
         kinds.all(|kind| Some(kind) == first)
     }
@@ -122,6 +122,6 @@ impl Builder<'_> {
         if self.homogeneous(boxes) {
             return None;
         }
-        Some(split::partition_by(boxes, &|one| Mask8::splat((self.is_sphere)(one.number()))))
+        Some(split::partition_by(boxes, &|one| Mask8::splat(one.number() < self.quadrics)))
     }
 }

@@ -50,20 +50,19 @@ type Checked<T> = Result<T, String>;
 
 /// [`check`] for a scene's hierarchy.
 pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Checked<Statistics> {
-    let spheres = scene.spheres.len();
-    let count = spheres + scene.triangles.len();
-    check(bvh, spheres, count, |number| Bounds::of_primitive(scene.primitive(number)))
+    let bounds = |number| Bounds::new(scene.primitive(number).bounds());
+    check(bvh, scene.first_triangle(), scene.primitives(), bounds)
 }
 
-/// Checks the hierarchy over `count` primitives (`spheres` spheres first) with the given boxes: its
+/// Checks the hierarchy over `count` primitives (`quadrics` quadrics first) with the given boxes: its
 /// statistics, or the first fault.
 pub fn check(
     bvh: &Bvh,
-    spheres: usize,
+    quadrics: usize,
     count: usize,
     bounds: impl Fn(usize) -> Bounds,
 ) -> Checked<Statistics> {
-    let leaves = bvh.triangle_leaves.len() + bvh.sphere_leaves.len();
+    let leaves = bvh.triangle_leaves.len() + bvh.quadric_leaves.len();
     let statistics = Statistics {
         wide_nodes: bvh.wide.len(),
         binary_nodes: bvh.binary.len(),
@@ -83,10 +82,10 @@ pub fn check(
 
     let mut next_leaf = [0; 2];
     let mut next_node = 1;
-    let (root, stack) = validator.node(0, 1, bvh.bounds, spheres, &mut next_leaf, &mut next_node)?;
+    let (root, stack) = validator.node(0, 1, bvh.bounds, quadrics, &mut next_leaf, &mut next_node)?;
     expect(root == bvh.bounds, || format!("bounds {:?} are not those of the root, {root:?}", bvh.bounds))?;
     expect(next_node == bvh.wide.len(), || format!("{} wide nodes, {next_node} reached", bvh.wide.len()))?;
-    expect(next_leaf == [bvh.triangle_leaves.len(), bvh.sphere_leaves.len()], || "lost leaves".into())?;
+    expect(next_leaf == [bvh.triangle_leaves.len(), bvh.quadric_leaves.len()], || "lost leaves".into())?;
     if let Some(lost) = validator.seen.iter().position(|&times| times != 1) {
         return Err(format!("primitive {lost} is in {} leaves", validator.seen[lost]));
     }
@@ -96,7 +95,7 @@ pub fn check(
         next_leaf = [0; 2];
         validator.binary(&mut next, 0, &mut deepest, &mut next_leaf)?;
         expect(next == bvh.binary.len(), || format!("{} binary nodes, {next} reached", bvh.binary.len()))?;
-        expect(next_leaf == [bvh.triangle_leaves.len(), bvh.sphere_leaves.len()], || {
+        expect(next_leaf == [bvh.triangle_leaves.len(), bvh.quadric_leaves.len()], || {
             "the binary tree has other leaves".into()
         })?;
     }
@@ -120,7 +119,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         node: usize,
         level: usize,
         around: Bounds,
-        spheres: usize,
+        quadrics: usize,
         next_leaf: &mut [usize; 2],
         next_node: &mut usize,
     ) -> Checked<(Bounds, usize)> {
@@ -142,14 +141,14 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
                 continue;
             }
             let below = if child.is_leaf() {
-                self.leaf(child, bounds, spheres, next_leaf)?
+                self.leaf(child, bounds, quadrics, next_leaf)?
             } else {
                 expect(child.index() == *next_node, || {
                     format!("{} refers to {}, out of order", place(), child.index())
                 })?;
                 *next_node += 1;
                 let (below, stack) =
-                    self.node(child.index(), level + 1, bounds, spheres, next_leaf, next_node)?;
+                    self.node(child.index(), level + 1, bounds, quadrics, next_leaf, next_node)?;
                 deepest = deepest.max(stack);
                 below
             };
@@ -164,11 +163,11 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         &mut self,
         child: Child,
         bounds: Bounds,
-        spheres: usize,
+        quadrics: usize,
         next_leaf: &mut [usize; 2],
     ) -> Checked<Bounds> {
-        let (leaves, next) = if child.is_spheres() {
-            (&self.bvh.sphere_leaves, &mut next_leaf[1])
+        let (leaves, next) = if child.is_quadrics() {
+            (&self.bvh.quadric_leaves, &mut next_leaf[1])
         } else {
             (&self.bvh.triangle_leaves, &mut next_leaf[0])
         };
@@ -186,7 +185,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         for &primitive in primitives {
             let number = primitive as usize;
             expect(number < self.seen.len(), || format!("primitive {number} is out of range"))?;
-            expect((number < spheres) == child.is_spheres(), || {
+            expect((number < quadrics) == child.is_quadrics(), || {
                 format!("primitive {number} is of the wrong kind")
             })?;
             self.seen[number] += 1;
@@ -218,7 +217,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         let union = if child == Child::NONE {
             Bounds::EMPTY
         } else if child.is_leaf() {
-            let place = &mut next_leaf[usize::from(child.is_spheres())];
+            let place = &mut next_leaf[usize::from(child.is_quadrics())];
             expect(child.index() == *place, || {
                 format!("binary node {index} refers to leaf {}", child.index())
             })?;
@@ -245,22 +244,21 @@ mod tests {
 
     #[test]
     fn cost_is_what_the_builder_minimises() {
-        for (spheres, count) in [(0, 40), (0, 300), (300, 1300), (0, 1001), (400, 2400), (3000, 3000)] {
+        for (quadrics, count) in [(0, 40), (0, 300), (300, 1300), (0, 1001), (400, 2400), (3000, 3000)] {
             // Points of a Kronecker sequence, with boxes of three sizes.
             let bounds = |number: usize| {
                 let point = (Vec3::new(0.819_17, 0.671_04, 0.549_7) * number as f32).fract();
                 let half = Vec3::splat([0.005, 0.02, 0.08][number % 3]);
                 Bounds { lo: point - half, hi: point + half }
             };
-            let is_sphere = |number: u32| (number as usize) < spheres;
             let mut boxes: Vec<_> =
                 (0..count).map(|number| PackedBox::new(bounds(number), number as u32)).collect();
-            let (_, costs) = Builder { is_sphere: &is_sphere }.build(&mut boxes);
-            let bvh = Bvh::of_boxes(spheres, count, Trees::Wide, bounds);
+            let (_, costs) = Builder { quadrics: quadrics as u32 }.build(&mut boxes);
+            let bvh = Bvh::of_boxes(quadrics, count, Trees::Wide, bounds);
             let planned = costs.of_tree() / bvh.bounds.half_area();
-            let cost = check(&bvh, spheres, count, bounds).unwrap().cost;
+            let cost = check(&bvh, quadrics, count, bounds).unwrap().cost;
             // The builder rounds extents to f32.
-            assert!((cost / planned - 1.0).abs() < 1e-6, "{spheres} of {count}: {cost}, planned {planned}");
+            assert!((cost / planned - 1.0).abs() < 1e-6, "{quadrics} of {count}: {cost}, planned {planned}");
         }
     }
 }

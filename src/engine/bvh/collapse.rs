@@ -8,12 +8,12 @@ use super::node::{BinaryNode, Child, Leaf, WIDE, WideNode};
 pub(super) struct Collapse<'a> {
     nodes: &'a [BuildNode],
     boxes: &'a [PackedBox],
-    is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
+    quadrics: u32,
     pub wide: Vec<WideNode>,
     /// `None` with [`super::tree::Trees::Wide`].
     pub binary: Option<Vec<BinaryNode>>,
     pub triangle_leaves: Vec<Leaf>,
-    pub sphere_leaves: Vec<Leaf>,
+    pub quadric_leaves: Vec<Leaf>,
 }
 
 /// A wide node whose slots are being filled.
@@ -33,15 +33,10 @@ impl Slots {
 }
 
 impl<'a> Collapse<'a> {
-    pub fn new(
-        nodes: &'a [BuildNode],
-        boxes: &'a [PackedBox],
-        is_sphere: &'a (dyn Fn(u32) -> bool + Sync),
-        keep_binary: bool,
-    ) -> Self {
+    pub fn new(nodes: &'a [BuildNode], boxes: &'a [PackedBox], quadrics: u32, keep_binary: bool) -> Self {
         let (wide, binary) = (vec![WideNode::EMPTY], keep_binary.then(|| Vec::with_capacity(nodes.len())));
-        let (triangle_leaves, sphere_leaves) = (Vec::new(), Vec::new());
-        let mut collapse = Self { nodes, boxes, is_sphere, wide, binary, triangle_leaves, sphere_leaves };
+        let (triangle_leaves, quadric_leaves) = (Vec::new(), Vec::new());
+        let mut collapse = Self { nodes, boxes, quadrics, wide, binary, triangle_leaves, quadric_leaves };
         let mut root = Slots::new();
         if boxes.is_empty() {
             collapse.push_binary(BinaryNode::new(Bounds::EMPTY, Child::NONE, 0));
@@ -115,10 +110,10 @@ impl<'a> Collapse<'a> {
             *slot = one.number();
         }
         leaf.primitives.sort_unstable();
-        let spheres = (self.is_sphere)(leaf.primitives[0]);
-        let leaves = if spheres { &mut self.sphere_leaves } else { &mut self.triangle_leaves };
+        let is_quadrics = leaf.primitives[0] < self.quadrics;
+        let leaves = if is_quadrics { &mut self.quadric_leaves } else { &mut self.triangle_leaves };
         leaves.push(leaf);
-        let kind = if spheres { Child::SPHERES } else { 0 };
+        let kind = if is_quadrics { Child::QUADRICS } else { 0 };
         Child(Child::LEAF | kind | (leaves.len() - 1) as u32)
     }
 }

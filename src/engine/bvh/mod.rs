@@ -1,4 +1,4 @@
-//! The bounding volume hierarchy over a scene's spheres and triangles: how it is built, and what traversals
+//! The bounding volume hierarchy over a scene's quadrics and triangles: how it is built, and what traversals
 //! read.
 //!
 //! For: [`Bvh`], [`WideNode`], [`BinaryNode`], [`Leaf`]; [`Bounds`]; [`check`], which proves a hierarchy
@@ -17,7 +17,7 @@
 //!
 //! # What a traversal may rely on
 //! - Every primitive is in exactly one leaf; a leaf holds 1 to [`LEAF`] primitives of one kind, numbered as
-//!   hits are (spheres first, then triangles), ascending. Leaves are in depth-first order.
+//!   hits are (quadrics first, then triangles), ascending. Leaves are in depth-first order.
 //! - A child's box holds the boxes of all primitives below it exactly: planes are copied, never computed.
 //! - The root is node 0; it always exists, in the wide tree and in the binary one. A wide node's filled slots
 //!   come first; the others have an empty box (+∞, −∞), which no ray hits. A scene without primitives has an

@@ -15,7 +15,7 @@ pub const MAX_DEPTH: u32 = 48;
 /// Most references on the stack of a traversal of the wide tree: each level leaves all but one child behind.
 pub const MAX_STACK: usize = (WIDE - 1) * MAX_DEPTH as usize + 1;
 
-/// What a child slot refers to: a node, a leaf of triangles, a leaf of spheres, or nothing.
+/// What a child slot refers to: a node, a leaf of triangles, a leaf of quadrics, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Child(pub u32);
@@ -23,10 +23,10 @@ pub struct Child(pub u32);
 impl Child {
     /// Set in leaves.
     pub const LEAF: u32 = 1 << 31;
-    /// Set in leaves of spheres.
-    pub const SPHERES: u32 = 1 << 30;
+    /// Set in leaves of quadrics.
+    pub const QUADRICS: u32 = 1 << 30;
     /// Masks the index of a leaf among those of its kind.
-    pub const INDEX: u32 = Self::SPHERES - 1;
+    pub const INDEX: u32 = Self::QUADRICS - 1;
     /// No child; its box is empty, so no ray reaches it. The leaf bits are set, and the index is out of
     /// range.
     pub const NONE: Self = Self(u32::MAX);
@@ -36,10 +36,10 @@ impl Child {
     pub fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
     }
-    /// Whether a leaf holds spheres.
+    /// Whether a leaf holds quadrics.
     #[inline(always)]
-    pub fn is_spheres(self) -> bool {
-        self.0 & Self::SPHERES != 0
+    pub fn is_quadrics(self) -> bool {
+        self.0 & Self::QUADRICS != 0
     }
     /// The index of a node, or of a leaf among those of its kind.
     #[inline(always)]
@@ -165,7 +165,7 @@ impl BinaryNode {
     }
 }
 
-/// Up to [`LEAF`] primitives of one kind, numbered as hits are: spheres first, then triangles.
+/// Up to [`LEAF`] primitives of one kind, numbered as hits are: quadrics first, then triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Leaf {

@@ -16,7 +16,7 @@ pub enum Trees {
     WideAndBinary,
 }
 
-/// A hierarchy over spheres and triangles.
+/// A hierarchy over quadrics and triangles.
 #[derive(Clone, Debug)]
 pub struct Bvh {
     /// The wide tree, the root first.
@@ -25,8 +25,8 @@ pub struct Bvh {
     pub binary: Vec<BinaryNode>,
     /// Leaves of triangles.
     pub triangle_leaves: Vec<Leaf>,
-    /// Leaves of spheres.
-    pub sphere_leaves: Vec<Leaf>,
+    /// Leaves of quadrics: all primitives but triangles.
+    pub quadric_leaves: Vec<Leaf>,
     /// Around everything.
     pub bounds: Bounds,
 }
@@ -34,18 +34,18 @@ pub struct Bvh {
 impl Bvh {
     /// Builds the hierarchy of a scene.
     pub fn new(scene: &Scene, trees: Trees) -> Self {
-        let bounds = |number| Bounds::of_primitive(scene.primitive(number));
-        Self::of_boxes(scene.spheres.len(), scene.primitives(), trees, bounds)
+        let bounds = |number| Bounds::new(scene.primitive(number).bounds());
+        Self::of_boxes(scene.first_triangle(), scene.primitives(), trees, bounds)
     }
 
-    /// A hierarchy over `count` primitives with the given boxes; the first `spheres` of them are spheres.
+    /// A hierarchy over `count` primitives with the given boxes; the first `quadrics` of them are quadrics.
     ///
     /// Domain: boxes are not empty, and neither coordinates nor extents leave ±1e19.
     ///
     /// # Panics
     /// With more than [`MAX_PRIMITIVES`].
     pub fn of_boxes(
-        spheres: usize,
+        quadrics: usize,
         count: usize,
         trees: Trees,
         bounds: impl Fn(usize) -> Bounds + Sync,
@@ -56,19 +56,19 @@ impl Bvh {
             .with_min_len(4096)
             .map(|number| PackedBox::new(bounds(number), number as u32))
             .collect();
-        let is_sphere = move |number: u32| (number as usize) < spheres;
-        let (nodes, _) = Builder { is_sphere: &is_sphere }.build(&mut boxes);
-        let Collapse { wide, binary, triangle_leaves, sphere_leaves, .. } =
-            Collapse::new(&nodes, &boxes, &is_sphere, trees == Trees::WideAndBinary);
+        let quadrics = quadrics as u32;
+        let (nodes, _) = Builder { quadrics }.build(&mut boxes);
+        let Collapse { wide, binary, triangle_leaves, quadric_leaves, .. } =
+            Collapse::new(&nodes, &boxes, quadrics, trees == Trees::WideAndBinary);
         let bounds = if boxes.is_empty() { Bounds::EMPTY } else { nodes[0].bounds };
-        Self { wide, binary: binary.unwrap_or_default(), triangle_leaves, sphere_leaves, bounds }
+        Self { wide, binary: binary.unwrap_or_default(), triangle_leaves, quadric_leaves, bounds }
     }
 
     /// The primitives of a leaf.
     #[inline(always)]
     pub fn leaf(&self, leaf: Child) -> &Leaf {
-        if leaf.is_spheres() {
-            &self.sphere_leaves[leaf.index()]
+        if leaf.is_quadrics() {
+            &self.quadric_leaves[leaf.index()]
         } else {
             &self.triangle_leaves[leaf.index()]
         }
@@ -79,6 +79,6 @@ impl Bvh {
         size_of_val(self.wide.as_slice())
             + size_of_val(self.binary.as_slice())
             + size_of_val(self.triangle_leaves.as_slice())
-            + size_of_val(self.sphere_leaves.as_slice())
+            + size_of_val(self.quadric_leaves.as_slice())
     }
 }

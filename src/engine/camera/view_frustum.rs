@@ -27,10 +27,10 @@ impl ViewFrustum {
         Self { apex, normals: [side(0), side(1), side(2), side(3), forward.normalize()] }
     }
 
-    /// Are all points within `radius` of `points` outside of one side?
-    pub fn excludes(&self, points: &[DVec3], radius: f64) -> bool {
+    /// Are all points of the balls, of centre and radius, outside of one side?
+    pub fn excludes(&self, balls: impl Iterator<Item = (DVec3, f64)> + Clone) -> bool {
         let outside = |normal: &DVec3| {
-            points.iter().all(|&point| {
+            balls.clone().all(|(point, radius)| {
                 let from_apex = point - self.apex;
                 let scale = from_apex.length() + radius + point.length() + self.apex.length();
                 normal.dot(from_apex) < -radius - MARGIN * scale

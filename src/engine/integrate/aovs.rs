@@ -212,8 +212,8 @@ impl Seen {
     fn planes(&self, context: &TraceContext) -> [L; PLANES] {
         let Self { hit, found, normal, albedo, scale, lobe, object, .. } = self;
         let distance = L::select(*found, hit.t, L::splat(f32::INFINITY));
-        let spheres = B::splat(context.buffers.spheres);
-        let on_triangle = *found & !hit.primitive.less(spheres);
+        let first_triangle = B::splat(context.buffers.first_triangle);
+        let on_triangle = *found & !hit.primitive.less(first_triangle);
         let weight = |weight| L::select(on_triangle, weight, L::zero());
         [
             distance,

@@ -5,11 +5,11 @@
 use super::context::TraceContext;
 use super::context::has;
 use super::queue::Path;
-use crate::buffers::{DIAGONAL_SHIFT, Features};
+use crate::buffers::{DIAGONAL_SHIFT, Features, quadric_surface};
 use crate::kernel::light::{self, FlatLight};
 use crate::kernel::normals;
 use crate::kernel::ray_cone;
-use crate::kernel::surface::{inset, latitude_longitude, sphere_surface};
+use crate::kernel::surface::{inset, latitude_longitude};
 use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -48,14 +48,14 @@ impl<L: Lane> Surface<L> {
     /// Looks up the surfaces of the lanes in `found`; the others are unspecified.
     #[inline(always)]
     pub fn of<const N: u32>(context: &TraceContext, path: &Path<L>, hit: &Hit<L>, found: L::Mask) -> Self {
-        let spheres = L::Bits::splat(context.buffers.spheres);
+        let first_triangle = L::Bits::splat(context.buffers.first_triangle);
         let zero = L::Bits::splat(0);
         let is_sphere = match (has(N, Features::SPHERES), has(N, Features::TRIANGLES)) {
-            (true, true) => hit.primitive.less(spheres),
+            (true, true) => hit.primitive.less(first_triangle),
             (sphere, _) => L::Mask::splat(sphere),
         };
         let triangle =
-            L::Bits::select(found & !is_sphere, hit.primitive.wrapping_add(negative(spheres)), zero);
+            L::Bits::select(found & !is_sphere, hit.primitive.wrapping_add(negative(first_triangle)), zero);
         let mut surface = Self {
             point: Vec3::zero(),
             ng: Vec3::zero(),
@@ -87,7 +87,7 @@ impl<L: Lane> Surface<L> {
     /// The object id: one for each sphere, and one for all triangles of a material.
     #[inline(always)]
     pub fn object(&self, context: &TraceContext, hit: &Hit<L>) -> L::Bits {
-        let of_material = self.material.wrapping_add(L::Bits::splat(context.buffers.spheres));
+        let of_material = self.material.wrapping_add(L::Bits::splat(context.buffers.first_triangle));
         L::Bits::select(self.is_sphere, hit.primitive, of_material)
     }
 
@@ -101,19 +101,17 @@ impl<L: Lane> Surface<L> {
     ) {
         let index = L::Bits::select(used, hit.primitive, L::Bits::splat(0));
         let fits_registers = !has(N, Features::MANY_SPHERES);
-        let [x, y, z, inverse_radius, offset, material, turn, chance] =
-            context.buffers.sphere_rows.fetch::<L>(index, fits_registers);
-        let center = Vec3::new(x, y, z);
-        (self.point, self.ng) = sphere_surface(path.ray.at(hit.t), center, inverse_radius, used);
+        let row = context.buffers.quadric_rows.fetch::<L>(index, fits_registers);
+        (self.point, self.ng, self.turn) = quadric_surface::<L, N>(row, path.ray.at(hit.t), used);
+        let [x, y, z, inverse_radius, offset, material, _, chance] = row;
         self.offset = offset;
         self.material = material.to_bits();
-        self.turn = turn;
         if context.carries_cones::<N>() {
             self.curvature = inverse_radius.only(self.is_sphere);
         }
         if has(N, Features::LIGHTS) && L::zero().lt(chance).any() {
             let radius = L::one() / inverse_radius;
-            self.light_pdf = chance * light::sphere_pdf(center - path.ray.origin, radius);
+            self.light_pdf = chance * light::sphere_pdf(Vec3::new(x, y, z) - path.ray.origin, radius);
         }
     }
 

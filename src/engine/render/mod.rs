@@ -240,8 +240,8 @@ impl Renderer {
     /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut scratch = Scratch::new();
-        let spheres = self.context.buffers.spheres;
-        let on_triangle = |primitive: u32| primitive != MISS && primitive >= spheres;
+        let first_triangle = self.context.buffers.first_triangle;
+        let on_triangle = |primitive: u32| primitive != MISS && primitive >= first_triangle;
         let of_tile = |tile: Tile| {
             let paths = match self.settings.lanes {
                 1 => generate::<f32>(&self.context, (0, tile), sample, 0, &mut scratch),

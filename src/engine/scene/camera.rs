@@ -9,7 +9,7 @@ pub const MIN_LENGTH: f64 = 1e-18;
 const MIN_UP_SINE: f64 = 1e-5;
 
 /// A pinhole camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Camera {
     /// The eye.
     pub position: Vec3,

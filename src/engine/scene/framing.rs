@@ -1,8 +1,7 @@
 //! The bounds of a scene, and a camera that frames them.
 
 use super::camera::Camera;
-use super::model::Scene;
-use super::shapes::{Sphere, Triangle};
+use super::model::{Primitive, Scene};
 use crate::math::portable;
 use glam::{DVec3, Vec3};
 
@@ -16,69 +15,53 @@ const VIEW_DIAGONALS: f64 = 1.2;
 const ASPECT: f64 = 16.0 / 9.0;
 const MARGIN: f64 = 1.03;
 
-/// The lower and upper corner of the axis-aligned box around all primitives; `None` if there are none.
-pub fn bounds(spheres: &[Sphere], triangles: &[Triangle]) -> Option<(DVec3, DVec3)> {
-    let spheres = spheres.iter().flat_map(|sphere| {
-        let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
-        [center - radius, center + radius]
-    });
-    let vertices = triangles.iter().flat_map(|triangle| triangle.vertices.map(Vec3::as_dvec3));
-    spheres.chain(vertices).fold(None, |bounds, point| {
-        let (lower, upper) = bounds.unwrap_or((point, point));
-        Some((lower.min(point), upper.max(point)))
-    })
-}
-
-/// A camera that sees all of the primitives, or as much of them as the given position and target allow.
-pub fn framing(
-    spheres: &[Sphere],
-    triangles: &[Triangle],
-    position: Option<Vec3>,
-    look_at: Option<Vec3>,
-) -> Camera {
-    let (lower, upper) = bounds(spheres, triangles).unwrap_or_default();
-    let look_at = look_at.unwrap_or_else(|| ((lower + upper) / 2.0).as_vec3());
-    let position = position.unwrap_or_else(|| {
-        let target = look_at.as_dvec3();
-        let mut distance = VIEW_DIAGONALS * (upper - lower).length();
-        let fitting = fitting(spheres, triangles, target);
-        if fitting > distance {
-            distance = MARGIN * fitting;
-        }
-        (target + VIEW_FROM.normalize() * distance).as_vec3()
-    });
-    Camera { position, look_at, up: Vec3::Y, vertical_fov: VERTICAL_FOV }
-}
-
-/// The least distance from the target, in the direction [`VIEW_FROM`], at which all primitives are in a
-/// picture of this [`ASPECT`]. The usual distance is enough for all but tall ones.
-fn fitting(spheres: &[Sphere], triangles: &[Triangle], target: DVec3) -> f64 {
-    let backward = VIEW_FROM.normalize();
-    let right = DVec3::Y.cross(backward).normalize();
-    let up = backward.cross(right);
-    let (sin, cos) = portable::sin_cos(f64::from(VERTICAL_FOV).to_radians() / 2.0);
-    let half_height = sin / cos;
-    // A ball touches the planes of the frustum: r / sin of half the angle further away than its centre.
-    let needed = |center: DVec3, radius: f64| {
-        let from = center - target;
-        let along =
-            |axis: DVec3, slope: f64| (from.dot(axis).abs() + radius * (1.0 + slope * slope).sqrt()) / slope;
-        from.dot(backward) + along(up, half_height).max(along(right, half_height * ASPECT))
-    };
-    let balls = spheres.iter().map(|sphere| needed(sphere.center.as_dvec3(), f64::from(sphere.radius)));
-    let corners = triangles.iter().flat_map(|triangle| triangle.vertices);
-    balls.chain(corners.map(|corner| needed(corner.as_dvec3(), 0.0))).fold(0.0, f64::max)
-}
-
 impl Scene {
-    /// The lower and upper corner of the axis-aligned box around all primitives.
+    /// The lower and upper corner of the axis-aligned box around all primitives; zeros if there are none.
     pub fn bounds(&self) -> (DVec3, DVec3) {
-        bounds(&self.spheres, &self.triangles).unwrap_or_default()
+        let boxes = self.all_primitives().map(Primitive::extent);
+        boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default().into()
     }
+
     /// A camera that sees the whole scene, independent of the scene's own; `None` where f32 cannot separate
     /// its position from its target.
     pub fn overview(&self) -> Option<Camera> {
-        let camera = framing(&self.spheres, &self.triangles, None, None);
+        let camera = self.framing(None, None);
         camera.fault().is_none().then_some(camera)
+    }
+
+    /// A camera that sees all of the primitives, or as much of them as the given position and target allow.
+    pub fn framing(&self, position: Option<Vec3>, look_at: Option<Vec3>) -> Camera {
+        let (lower, upper) = self.bounds();
+        let look_at = look_at.unwrap_or_else(|| ((lower + upper) / 2.0).as_vec3());
+        let position = position.unwrap_or_else(|| {
+            let target = look_at.as_dvec3();
+            let mut distance = VIEW_DIAGONALS * (upper - lower).length();
+            let fitting = self.fitting(target);
+            if fitting > distance {
+                distance = MARGIN * fitting;
+            }
+            (target + VIEW_FROM.normalize() * distance).as_vec3()
+        });
+        Camera { position, look_at, up: Vec3::Y, vertical_fov: VERTICAL_FOV }
+    }
+
+    /// The least distance from the target, in the direction [`VIEW_FROM`], at which all primitives are in a
+    /// picture of this [`ASPECT`]. The usual distance is enough for all but tall ones.
+    fn fitting(&self, target: DVec3) -> f64 {
+        let backward = VIEW_FROM.normalize();
+        let right = DVec3::Y.cross(backward).normalize();
+        let up = backward.cross(right);
+        let (sin, cos) = portable::sin_cos(f64::from(VERTICAL_FOV).to_radians() / 2.0);
+        let half_height = sin / cos;
+        // A ball touches the planes of the frustum: r / sin of half the angle further away than its centre.
+        let needed = |center: DVec3, radius: f64| {
+            let from = center - target;
+            let along = |axis: DVec3, slope: f64| {
+                (from.dot(axis).abs() + radius * (1.0 + slope * slope).sqrt()) / slope
+            };
+            from.dot(backward) + along(up, half_height).max(along(right, half_height * ASPECT))
+        };
+        let balls = self.all_primitives().flat_map(Primitive::balls);
+        balls.map(|(center, radius)| needed(center, radius)).fold(0.0, f64::max)
     }
 }

@@ -6,12 +6,9 @@ mod camera;
 mod framing;
 mod material;
 mod model;
-mod shapes;
 mod texture;
 
 pub use camera::{Camera, CameraFault, MIN_LENGTH};
-pub use framing::{bounds, framing};
 pub use material::{Material, MaterialKind};
-pub use model::{MAX_BOUNCES, MAX_SIDE, Scene, Sky};
-pub use shapes::{Primitive, Side, Sphere, Triangle};
+pub use model::*;
 pub use texture::{Filter, TexelKind, Texels, Texture, srgb_to_linear};

@@ -1,18 +1,21 @@
-//! The scene as a whole.
+//! The scene as a whole, and the kinds of its primitives: spheres and triangles.
+//!
+//! What differs from kind to kind is a method of [`Primitive`], here or in `buffers/geometry.rs`; how rays
+//! hit them is in [`crate::traverse`].
 
 use super::camera::Camera;
 use super::material::Material;
-use super::shapes::{Primitive, Sphere, Triangle};
 use super::texture::Texture;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
+use std::f32::consts::PI;
 use std::path::PathBuf;
 
 /// A valid scene: every index is in range, every number finite, every radius positive, no triangle has zero
 /// area.
 ///
 /// Units: lengths in scene units; y up, right-handed; colours linear RGB; radiance in the same units
-/// everywhere.
-#[derive(Clone, Debug)]
+/// everywhere. (Not so the default, which lacks a camera and a resolution: others are made of it.)
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Short name for tables: `builtin:three`, or the name of the file.
     pub name: String,
@@ -48,20 +51,46 @@ pub struct Scene {
 impl Scene {
     /// The number of primitives.
     pub fn primitives(&self) -> usize {
-        self.spheres.len() + self.triangles.len()
+        self.first_triangle() + self.triangles.len()
     }
-    /// A primitive by its number, as hits name it: spheres first, then triangles.
+    /// The number of quadrics, which are all primitives but triangles, and that of the first triangle.
+    pub fn first_triangle(&self) -> usize {
+        self.spheres.len()
+    }
+    /// All primitives, as hits number them: quadrics (spheres) first, then triangles.
+    pub fn all_primitives(&self) -> impl Iterator<Item = Primitive<'_>> {
+        self.spheres.iter().map(Primitive::Sphere).chain(self.triangles.iter().map(Primitive::Triangle))
+    }
+    /// A primitive by its number.
     ///
     /// # Panics
     /// If there are not so many.
     pub fn primitive(&self, number: usize) -> Primitive<'_> {
         match self.spheres.get(number) {
             Some(sphere) => Primitive::Sphere(sphere),
-            None => {
-                let index = number - self.spheres.len();
-                Primitive::Triangle(&self.triangles[index], index)
-            }
+            None => Primitive::Triangle(&self.triangles[number - self.first_triangle()]),
         }
+    }
+    /// The list in which a scene file has a primitive, by its number, and its place there.
+    pub fn place(&self, number: usize) -> (&'static str, usize) {
+        match number.checked_sub(self.first_triangle()) {
+            None => ("spheres", number),
+            Some(index) => ("triangles", index),
+        }
+    }
+    /// Whether any primitive emits light.
+    pub fn emits(&self) -> bool {
+        self.all_primitives().any(|primitive| self.materials[primitive.material() as usize].emits())
+    }
+    /// Nothing but the primitives for which `keep` holds, by their numbers.
+    pub fn only(&self, keep: impl Fn(usize, Primitive) -> bool) -> Self {
+        let mut scene = Self::default();
+        let kept = self.all_primitives().enumerate().filter(|(number, primitive)| keep(*number, *primitive));
+        kept.for_each(|(_, primitive)| match primitive {
+            Primitive::Sphere(&sphere) => scene.spheres.push(sphere),
+            Primitive::Triangle(&triangle) => scene.triangles.push(triangle),
+        });
+        scene
     }
 }
 
@@ -91,6 +120,98 @@ impl Sky {
         match *self {
             Self::Color(color) | Self::Texture { color, .. } => color == Vec3::ZERO,
             Self::Gradient { bottom, top } => bottom == Vec3::ZERO && top == Vec3::ZERO,
+        }
+    }
+}
+
+impl Default for Sky {
+    fn default() -> Self {
+        Self::Color(Vec3::ZERO)
+    }
+}
+
+/// A sphere. A point with outward unit normal n has the texture coordinates acos(n.y) / π from the top and,
+/// with a = atan2(n.z, n.x) / 2π, u = a + `texture_turn` if the texture reads right from inside (as the sky's
+/// does), and u = −(a + `texture_turn`) if from outside; both wrapped to [0, 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Its centre.
+    pub center: Vec3,
+    /// Above 0.
+    pub radius: f32,
+    /// Index of its material.
+    pub material: u32,
+    /// Rotation of the texture around the vertical axis, in whole turns, anticlockwise seen from above, in
+    /// [0, 1).
+    pub texture_turn: f32,
+    /// The side from which the texture is not mirrored.
+    pub texture_side: Side,
+}
+
+/// A side of a sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Side {
+    /// As on a globe.
+    #[default]
+    Outside,
+    /// As in a sky.
+    Inside,
+}
+
+/// A triangle with an area above 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// Its corners.
+    pub vertices: [Vec3; 3],
+    /// Index of its material.
+    pub material: u32,
+}
+
+/// A primitive of a scene: see [`Scene::primitive`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Primitive<'a> {
+    /// A sphere.
+    Sphere(&'a Sphere),
+    /// A triangle.
+    Triangle(&'a Triangle),
+}
+
+impl<'a> Primitive<'a> {
+    /// Index of its material.
+    pub fn material(self) -> u32 {
+        match self {
+            Self::Sphere(sphere) => sphere.material,
+            Self::Triangle(triangle) => triangle.material,
+        }
+    }
+    /// Points and a radius: it lies within the convex hull of the balls of this radius around these points.
+    pub fn hull(self) -> (&'a [Vec3], f32) {
+        match self {
+            Self::Sphere(sphere) => (std::slice::from_ref(&sphere.center), sphere.radius),
+            Self::Triangle(triangle) => (&triangle.vertices, 0.0),
+        }
+    }
+    /// The balls of [`Primitive::hull`]: centres and radius.
+    pub fn balls(self) -> impl Iterator<Item = (DVec3, f64)> + Clone + use<'a> {
+        let (points, radius) = self.hull();
+        points.iter().map(move |point| (point.as_dvec3(), f64::from(radius)))
+    }
+    /// The lower and upper corner of the box around its balls.
+    pub fn extent(self) -> [DVec3; 2] {
+        let boxes = self.balls().map(|(center, radius)| [center - radius, center + radius]);
+        boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default()
+    }
+    /// The power that it emits, on all sides, at a radiance of 1; 0 where no light sampling exists for it.
+    pub fn unit_power(self) -> f64 {
+        match self {
+            Self::Sphere(sphere) => {
+                let radius = f64::from(sphere.radius);
+                4.0 * f64::from(PI) * f64::from(PI) * radius * radius
+            }
+            Self::Triangle(triangle) => {
+                let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
+                f64::from(PI) * (b - a).cross(c - a).length()
+            }
         }
     }
 }

@@ -146,8 +146,9 @@ impl TriangleLeaves {
     /// `None` takes the layout that suits the hierarchy.
     pub fn new(scene: &Scene, bvh: &Bvh, layout: Option<Layout>) -> Self {
         let leaves = bvh.triangle_leaves.as_slice();
+        let first = scene.first_triangle();
         let corners_of = |primitive: u32| {
-            scene.triangles[primitive as usize - scene.spheres.len()].vertices.map(|vertex| vertex.to_array())
+            scene.triangles[primitive as usize - first].vertices.map(|vertex| vertex.to_array())
         };
         let full = |leaf: &Leaf| {
             let mut full = TriangleLeaf { primitives: *leaf, ..TriangleLeaf::EMPTY };

@@ -29,9 +29,9 @@ pub trait CounterSink: Copy {
     /// A ray against the primitives of a leaf, one after the other.
     #[inline(always)]
     fn leaf_one_by_one(self, _hierarchy: &Hierarchy, _leaf: Child) {}
-    /// A packet of `rays` rays against the spheres of a leaf, one after the other.
+    /// A packet of `rays` rays against the quadrics of a leaf, one after the other.
     #[inline(always)]
-    fn packet_spheres(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
+    fn packet_quadrics(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
     /// A frustum against the boxes of a leaf's triangles, and its packet of `rays` rays against those that it
     /// meets, one after the other.
     #[inline(always)]
@@ -54,7 +54,7 @@ impl CounterSink for &Counter {
     fn leaf_one_by_one(self, hierarchy: &Hierarchy, leaf: Child) {
         self.primitives(leaf, hierarchy.filled(leaf), hierarchy.filled(leaf));
     }
-    fn packet_spheres(self, hierarchy: &Hierarchy, leaf: Child, rays: usize) {
+    fn packet_quadrics(self, hierarchy: &Hierarchy, leaf: Child, rays: usize) {
         let filled = hierarchy.filled(leaf);
         self.primitives(leaf, filled, rays * filled);
     }
@@ -80,7 +80,7 @@ pub struct Counts {
     pub boxes: Tests,
     /// Tests of triangles.
     pub triangles: Tests,
-    /// Tests of spheres.
+    /// Tests of quadrics: spheres.
     pub spheres: Tests,
 }
 
@@ -109,15 +109,15 @@ impl Counter {
         self.0.get()
     }
     fn primitives(&self, leaf: Child, steps: usize, tests: usize) {
-        if leaf.is_spheres() {
+        if leaf.is_quadrics() {
             self.add(|counts| &mut counts.spheres, steps, tests);
         } else {
             self.add(|counts| &mut counts.triangles, steps, tests);
         }
     }
-    /// `rays` rays against all of these numbers of spheres and triangles, in `packets` packets or one by one.
-    pub fn list(&self, [spheres, triangles]: [usize; 2], packets: usize, rays: usize) {
-        self.add(|counts| &mut counts.spheres, packets * spheres, rays * spheres);
+    /// `rays` rays against so many quadrics and triangles, in `packets` packets or one by one.
+    pub fn list(&self, [quadrics, triangles]: [usize; 2], packets: usize, rays: usize) {
+        self.add(|counts| &mut counts.spheres, packets * quadrics, rays * quadrics);
         self.add(|counts| &mut counts.triangles, packets * triangles, rays * triangles);
     }
     fn add(&self, kind: impl FnOnce(&mut Counts) -> &mut Tests, steps: usize, tests: usize) {

@@ -2,13 +2,13 @@
 //! traversals.
 
 use super::compact::{Layout, TriangleLeaves};
-use super::leaf::{TriangleLeaf, inclusive, intersect_one, keep_if_nearer};
+use super::leaf::{TriangleLeaf, intersect_one};
 use super::prepared::SingleRay;
-use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
+use super::quadrics::QuadricLeaf;
+use crate::bvh::{Bvh, Child, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
-use crate::kernel::ray_sphere::{Robust, SphereMethod};
-use crate::lane::{Lane, Mask, Native};
-use crate::math::{Hit, Ray, Vec3};
+use crate::lane::Lane;
+use crate::math::{Hit, Ray};
 use crate::scene::Scene;
 use rayon::prelude::*;
 
@@ -19,17 +19,7 @@ pub struct Hierarchy {
     /// What box tests are padded by.
     pub padding: Padding,
     triangles: TriangleLeaves,
-    spheres: Vec<SphereLeaf>,
-}
-
-/// Up to [`LEAF`] spheres as a structure of arrays.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-struct SphereLeaf {
-    center: [[f32; LEAF]; 3],
-    /// Squared; negative where there is no sphere, so that no ray hits it.
-    radius2: [f32; LEAF],
-    primitives: Leaf,
+    pub(super) quadrics: Vec<QuadricLeaf>,
 }
 
 /// Fewest leaves for another thread to fill.
@@ -38,11 +28,11 @@ const MIN_LEAVES_PER_THREAD: usize = 256;
 /// The [`Padding`] of a scene's boxes, from the extent of all its primitives.
 pub fn padding_of(scene: &Scene) -> Padding {
     let reach = |number| {
-        let Bounds { lo, hi } = Bounds::of_primitive(scene.primitive(number));
+        let [lo, hi] = scene.primitive(number).bounds();
         lo.abs().max(hi.abs()).max_element()
     };
     let padding = Padding::new((0..scene.primitives()).map(reach).fold(0.0, f32::max));
-    if scene.spheres.is_empty() { padding } else { padding.with_spheres() }
+    if scene.first_triangle() == 0 { padding } else { padding.with_spheres() }
 }
 
 impl Hierarchy {
@@ -54,10 +44,10 @@ impl Hierarchy {
     /// The same with the leaves of triangles in a given layout; `None` chooses by their size.
     pub fn in_layout(scene: &Scene, trees: Trees, layout: Option<Layout>) -> Self {
         let (bvh, padding) = rayon::join(|| Bvh::new(scene, trees), || padding_of(scene));
-        let spheres = bvh.sphere_leaves.par_iter().with_min_len(MIN_LEAVES_PER_THREAD);
+        let quadrics = bvh.quadric_leaves.par_iter().with_min_len(MIN_LEAVES_PER_THREAD);
         Self {
             triangles: TriangleLeaves::new(scene, &bvh, layout),
-            spheres: spheres.map(|leaf| SphereLeaf::new(scene, leaf)).collect(),
+            quadrics: quadrics.map(|leaf| QuadricLeaf::new(scene, leaf)).collect(),
             padding,
             bvh,
         }
@@ -65,7 +55,7 @@ impl Hierarchy {
 
     /// Bytes of nodes and leaves.
     pub fn bytes(&self) -> usize {
-        self.bvh.bytes() + self.triangles.bytes() + size_of_val(self.spheres.as_slice())
+        self.bvh.bytes() + self.triangles.bytes() + size_of_val(self.quadrics.as_slice())
     }
 
     /// Number of primitives of a leaf.
@@ -76,8 +66,8 @@ impl Hierarchy {
     /// One ray against all primitives of a leaf at once.
     #[inline(always)]
     pub fn intersect_leaf(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
-        if leaf.is_spheres() {
-            self.intersect_spheres(leaf.index(), &ray.ray, hit);
+        if leaf.is_quadrics() {
+            self.quadrics[leaf.index()].intersect(&ray.ray, hit);
         } else {
             self.with_triangles(leaf.index(), |leaf| {
                 leaf.accept(leaf.candidates(ray.woop.stored()), &ray.woop, &ray.box_ray, hit);
@@ -85,22 +75,11 @@ impl Hierarchy {
         }
     }
 
-    /// One ray against the spheres of a leaf at once.
-    #[inline(never)]
-    pub fn intersect_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
-        self.spheres[leaf].intersect(ray, hit);
-    }
-
     /// One ray against the primitives of a leaf, one after the other: for the scalar baseline.
     #[inline(always)]
     pub fn intersect_leaf_one_by_one(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
-        if leaf.is_spheres() {
-            let leaf = &self.spheres[leaf.index()];
-            for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
-                let (center, radius2) = leaf.sphere::<f32>(lane);
-                let (mask, t) = Robust::test::<f32>(&ray.ray, center, radius2, inclusive(hit.t));
-                keep_if_nearer(mask, primitive, [t, 0.0, 0.0], hit);
-            }
+        if leaf.is_quadrics() {
+            self.quadrics[leaf.index()].intersect_packet(&ray.ray, hit);
         } else {
             let triangles = &self.triangles;
             for (lane, &primitive) in self.bvh.triangle_leaves[leaf.index()].primitives().iter().enumerate() {
@@ -132,65 +111,20 @@ impl Hierarchy {
         leaves
     }
 
-    /// Fetches the cache lines of a node or of a leaf of triangles ahead of its visit. Leaves of spheres are
+    /// Fetches the cache lines of a node or of a leaf of triangles ahead of its visit. Leaves of quadrics are
     /// few, and not fetched.
     #[inline(always)]
     pub fn prefetch(&self, child: Child) {
         if !child.is_leaf() {
             self.bvh.wide[child.index()].prefetch();
-        } else if !child.is_spheres() {
+        } else if !child.is_quadrics() {
             self.triangles.prefetch(child.index());
         }
     }
 
-    /// A packet against the spheres of a leaf, one after the other.
+    /// A packet against the quadrics of a leaf, one after the other.
     #[inline(never)]
-    pub fn intersect_spheres_packet<L: Lane>(&self, leaf: usize, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
-        let mut closer = false;
-        let leaf = &self.spheres[leaf];
-        let prepared = Robust::prepare(ray);
-        for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
-            let (center, radius2) = leaf.sphere::<L>(lane);
-            let infinite = L::splat(f32::INFINITY);
-            let (mask, t) = Robust::test::<L>(&prepared, center, radius2, infinite);
-            closer |= keep_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
-        }
-        closer
-    }
-}
-
-impl SphereLeaf {
-    fn new(scene: &Scene, leaf: &Leaf) -> Self {
-        let mut stored = Self { center: [[0.0; LEAF]; 3], radius2: [-1.0; LEAF], primitives: *leaf };
-        for (lane, &primitive) in leaf.primitives().iter().enumerate() {
-            let crate::scene::Sphere { center, radius, .. } = scene.spheres[primitive as usize];
-            (0..3).for_each(|axis| stored.center[axis][lane] = center[axis]);
-            stored.radius2[lane] = radius * radius;
-        }
-        stored
-    }
-
-    /// Centre and squared radius of one sphere in all lanes.
-    #[inline(always)]
-    fn sphere<L: Lane>(&self, lane: usize) -> (Vec3<L>, L) {
-        let [x, y, z] = &self.center;
-        (Vec3::new(L::splat(x[lane]), L::splat(y[lane]), L::splat(z[lane])), L::splat(self.radius2[lane]))
-    }
-
-    /// One ray against the spheres, one a lane.
-    #[inline(always)]
-    fn intersect(&self, ray: &Ray<f32>, hit: &mut Hit<f32>) {
-        let ray = Ray {
-            origin: ray.origin.each_ref().broadcast(),
-            direction: ray.direction.each_ref().broadcast(),
-        };
-        let [x, y, z] = &self.center;
-        let center = Vec3::new(Native::load(x), Native::load(y), Native::load(z));
-        let radius2 = Native::load(&self.radius2);
-        let limit = Native::splat(inclusive(hit.t));
-        let (mask, t) = Robust::test(&Robust::prepare(&ray), center, radius2, limit);
-        for lane in mask.lanes() {
-            keep_if_nearer(true, self.primitives.primitives[lane], [t.get(lane), 0.0, 0.0], hit);
-        }
+    pub fn intersect_quadrics_packet<L: Lane>(&self, leaf: usize, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
+        self.quadrics[leaf].intersect_packet(ray, hit)
     }
 }

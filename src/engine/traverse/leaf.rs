@@ -23,8 +23,8 @@ pub(super) fn inclusive(t: f32) -> f32 {
     if (0.0..f32::INFINITY).contains(&t) { f32::from_bits(t.to_bits() + 1) } else { t }
 }
 
-/// Lower and upper corner of the box of a triangle: exact. [`crate::bvh::Bounds::of_triangle`] over
-/// lanes.
+/// Lower and upper corner of the box of a triangle: exact. [`crate::kernel::surface::triangle_bounds`]
+/// over lanes.
 #[inline(always)]
 pub(super) fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
     let x = extent_along([a.x, b.x, c.x]);

@@ -1,49 +1,28 @@
 //! Every ray against every primitive: fastest for small scenes, and the result that every other traversal
 //! must equal.
 //!
-//! Spheres and triangles have a loop over the rays each. In short loops the processor works on several
+//! Quadrics and triangles have a loop over the rays each. In short loops the processor works on several
 //! packets at a time, and what a ray needs stays in registers: with 16 lanes 1.03 to 1.1 times as fast as one
 //! loop in scenes that have both; with 8 there is no difference.
 
 use super::counter::Counter;
 use super::hierarchy::padding_of;
-use super::methods::{Methods, SphereChoice, TriangleChoice};
+use super::methods::{Methods, TriangleChoice};
 use super::primitive_list::PrimitiveList;
+use super::quadrics::Quadrics;
 use super::rays::{Hits, Rays};
 use crate::buffers::store_triangles;
 use crate::kernel::ray_box::{BoxRay, Padding, own_box};
-use crate::kernel::ray_sphere::{Naive, Robust, SphereMethod};
 use crate::kernel::ray_triangle::{MollerTrumbore, PairHit, TriangleHit, TriangleMethod, Woop};
-use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::scene::Scene;
 
-/// From this many spheres on, those that no ray of a packet may hit are culled first. Culling costs about
-/// half a test. Packets always compute the root, so culling pays sooner than for single rays, which skip it
-/// where they miss.
-const fn min_culled_spheres(width: usize) -> usize {
-    if width == 1 { 16 } else { 8 }
-}
-
-/// How many spheres are culled at a time.
-const CHUNK: usize = 64;
-
 /// All primitives of a scene, in the order of their numbers.
 pub struct List {
-    sphere: SphereChoice,
-    spheres: Vec<Sphere>,
-    culled_spheres: Vec<CulledSphere>,
+    quadrics: Quadrics,
     triangles: Triangles,
     padding: Padding,
-}
-
-/// A sphere as tests read it.
-#[derive(Clone, Copy)]
-#[repr(align(16))]
-struct Sphere {
-    center: glam::Vec3,
-    radius2: f32,
 }
 
 /// The triangles as the chosen method stores them.
@@ -55,12 +34,8 @@ enum Triangles {
 impl List {
     /// Stores a scene's primitives for the intersection methods chosen.
     pub fn new(scene: &Scene, methods: Methods) -> Self {
-        let spheres = scene.spheres.iter().map(|sphere| (sphere.center, sphere.radius));
-        let stored = spheres.clone().map(|(center, radius)| Sphere { center, radius2: radius * radius });
         Self {
-            sphere: methods.sphere,
-            spheres: stored.collect(),
-            culled_spheres: spheres.map(|(center, radius)| CulledSphere::new(center, radius)).collect(),
+            quadrics: Quadrics::new(scene, methods.sphere),
             triangles: match methods.triangle {
                 TriangleChoice::Woop => Triangles::Woop(store_triangles::<Woop>(scene)),
                 TriangleChoice::MollerTrumbore => {
@@ -71,16 +46,16 @@ impl List {
         }
     }
 
-    /// The numbers of spheres and triangles that [`List::trace`] tests each ray against.
+    /// The numbers of quadrics and triangles that [`List::trace`] tests each ray against.
     fn tests(&self, listed: Option<&PrimitiveList>) -> [usize; 2] {
         if let Some(listed) = listed {
-            return [listed.spheres.len(), listed.triangles.len()];
+            return [listed.quadrics.len(), listed.triangles.len()];
         }
         let triangles = match &self.triangles {
             Triangles::Woop(stored) => stored.len(),
             Triangles::MollerTrumbore(stored) => stored.len(),
         };
-        [self.spheres.len(), triangles]
+        [self.quadrics.len(), triangles]
     }
 
     /// Finds the nearest hit of each ray by testing every primitive, or those that are `listed`: then they
@@ -92,38 +67,21 @@ impl List {
         listed: Option<&PrimitiveList>,
         counter: Option<&Counter>,
     ) {
-        let [spheres, triangles] = self.tests(listed);
+        let [quadrics, triangles] = self.tests(listed);
         if let Some(counter) = counter {
-            counter.list([spheres, triangles], rays.len().div_ceil(L::WIDTH), rays.len());
+            counter.list([quadrics, triangles], rays.len().div_ceil(L::WIDTH), rays.len());
         }
-        // Without any candidate, the loop over none of the spheres stores the misses.
-        if spheres > 0 || triangles == 0 {
-            match self.sphere {
-                SphereChoice::Robust => self.trace_spheres::<L, Robust>(rays, hits, listed),
-                SphereChoice::Naive => self.trace_spheres::<L, Naive>(rays, hits, listed),
-            }
+        // Without any candidate, the loop over none of the quadrics stores the misses.
+        if quadrics > 0 || triangles == 0 {
+            self.quadrics.trace::<L>(rays, hits, listed.map(|listed| listed.quadrics.as_slice()));
         }
         if triangles > 0 {
-            let hits = (spheres > 0, hits);
+            let hits = (quadrics > 0, hits);
             match &self.triangles {
                 Triangles::Woop(stored) => self.trace_triangles::<L, Woop>(stored, rays, hits, listed),
                 Triangles::MollerTrumbore(stored) => {
                     self.trace_triangles::<L, MollerTrumbore>(stored, rays, hits, listed);
                 }
-            }
-        }
-    }
-
-    fn trace_spheres<L: Lane, S: SphereMethod>(
-        &self,
-        rays: &Rays,
-        hits: &mut Hits,
-        listed: Option<&PrimitiveList>,
-    ) {
-        match listed {
-            None => self.trace_numbered_spheres::<L, S>(self.spheres.len(), |at| at, rays, hits),
-            Some(PrimitiveList { spheres, .. }) => {
-                self.trace_numbered_spheres::<L, S>(spheres.len(), |at| spheres[at] as usize, rays, hits);
             }
         }
     }
@@ -135,7 +93,7 @@ impl List {
         hits: (bool, &mut Hits),
         listed: Option<&PrimitiveList>,
     ) {
-        let first = self.spheres.len() as u32;
+        let first = self.quadrics.len() as u32;
         match listed {
             None => trace_triangles::<L, T>((first..).zip(all), self.padding, rays, hits),
             Some(PrimitiveList { triangles, .. }) => {
@@ -144,73 +102,11 @@ impl List {
             }
         }
     }
-
-    /// Finds the nearest of `count` spheres that each ray hits; `number` gives their numbers, ascending. A
-    /// later sphere replaces a hit only if it is strictly nearer, so the lower number wins ties.
-    ///
-    /// Shapes: packets of `WIDTH` rays; one sphere at a time is broadcast to all lanes.
-    #[inline(never)]
-    fn trace_numbered_spheres<L: Lane, S: SphereMethod>(
-        &self,
-        count: usize,
-        number: impl Fn(usize) -> usize,
-        rays: &Rays,
-        hits: &mut Hits,
-    ) {
-        let are_culled = S::MAY_CULL && count >= min_culled_spheres(L::WIDTH);
-        for at in (0..rays.len()).step_by(L::WIDTH) {
-            let ray = rays.packet::<L>(at);
-            let (t, primitive) = (rays.t_max(at), L::Bits::splat(MISS));
-            let mut tests = SphereTests::<L, S> { ray: S::prepare(&ray), t, primitive };
-            if are_culled {
-                let culling = SphereCulling::new(&ray);
-                for first in (0..count).step_by(CHUNK) {
-                    let (mut near, mut found) = ([0; CHUNK], 0);
-                    for number in (first..count.min(first + CHUNK)).map(&number) {
-                        // Always written, and counted only if it is near: no branch.
-                        near[found % CHUNK] = number;
-                        found += usize::from(culling.may_hit(&self.culled_spheres[number]).any());
-                    }
-                    for &number in &near[..found.min(CHUNK)] {
-                        tests.test(number as u32, &self.spheres[number]);
-                    }
-                }
-            } else {
-                for number in (0..count).map(&number) {
-                    tests.test(number as u32, &self.spheres[number]);
-                }
-            }
-            hits.store_nearest(at, tests.t, tests.primitive);
-        }
-    }
 }
 
-/// The tests of a packet against spheres in turn.
-struct SphereTests<L: Lane, S: SphereMethod> {
-    ray: S::Prepared<L>,
-    /// The nearest hits so far: t, and the index of the primitive.
-    t: L,
-    primitive: L::Bits,
-}
-
-impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
-    #[inline(always)]
-    fn test(&mut self, number: u32, sphere: &Sphere) {
-        let (meets, equation) = S::equation(&self.ray, Vec3::splat(sphere.center), L::splat(sphere.radius2));
-        // Only of a single ray the rest of the test is skipped. Whether any ray of a packet meets a sphere is
-        // often predicted wrong, which costs more than a square root and a division.
-        if L::WIDTH == 1 && !meets.any() {
-            return;
-        }
-        let (nearer, t) = S::solve(&self.ray, (meets, equation), self.t);
-        self.t = L::select(nearer, t, self.t);
-        self.primitive = L::Bits::select(nearer, L::Bits::splat(number), self.primitive);
-    }
-}
-
-/// Finds the nearest of the triangles that each ray hits; `after_spheres`, keeps what it has hit before where
-/// no triangle is strictly nearer. An iterator and no closure gives the triangles: a test is so much code
-/// that a closure with it would not be inlined into the loop (4 % more instructions in boxes).
+/// Finds the nearest of the triangles that each ray hits; `after_quadrics`, keeps what it has hit before
+/// where no triangle is strictly nearer. An iterator and no closure gives the triangles: a test is so much
+/// code that a closure with it would not be inlined into the loop (4 % more instructions in boxes).
 ///
 /// Shapes: packets of `WIDTH` rays; one triangle, or two that share an edge, at a time is broadcast to all
 /// lanes.
@@ -219,10 +115,10 @@ fn trace_triangles<'a, L: Lane, T: TriangleMethod>(
     triangles: impl Iterator<Item = (u32, &'a T::Stored)> + Clone,
     padding: Padding,
     rays: &Rays,
-    (after_spheres, hits): (bool, &mut Hits),
+    (after_quadrics, hits): (bool, &mut Hits),
 ) {
     for at in (0..rays.len()).step_by(L::WIDTH) {
-        let (t, primitive) = match after_spheres {
+        let (t, primitive) = match after_quadrics {
             true => hits.nearest(at),
             false => (rays.t_max(at), L::Bits::splat(MISS)),
         };

@@ -2,21 +2,12 @@
 //!
 //! For: [`Methods`] and the choices it holds.
 
+use super::quadrics::SphereChoice;
 use super::tree::Traversal;
 use crate::buffers::{Features, LightChoice};
 use crate::choice::{Choice, choices, serde_by_name};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-
-choices! {
-    /// The ray–sphere intersection method: the default, and the textbook's for contrast.
-    pub enum SphereChoice {
-        #[default]
-        Robust = "robust",
-            "Discriminant from the perpendicular distance: accurate for small, distant and huge spheres.";
-        Naive = "naive", "The textbook quadratic formula: loses digits on small, distant and huge spheres.";
-    }
-}
 
 choices! {
     /// The ray–triangle intersection method: the default, and the classic for contrast.
@@ -36,7 +27,7 @@ pub const MAX_LIST_COST: usize = 240;
 
 /// The cost of testing every primitive for a ray, in tests of a sphere.
 pub fn list_cost(scene: &Scene) -> usize {
-    scene.spheres.len() + TRIANGLE_COST * scene.triangles.len()
+    scene.first_triangle() + TRIANGLE_COST * scene.triangles.len()
 }
 
 /// The features that traversal adds to those of [`Features::of`]: [`Features::HIERARCHY`] above

@@ -13,12 +13,12 @@
 //! | `tree` | the choice between those of the hierarchy |
 //!
 //! [`Primitives`] asks them. They share [`hierarchy`] (nodes and leaves),
-//! `leaf` (how rays intersect triangles), `compact` (the leaves of large hierarchies), `prepared` (rays ready
-//! for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts
-//! the tests.
+//! `leaf` (how rays intersect triangles), `quadrics` (all else), `compact` (the leaves of large hierarchies),
+//! `prepared` (rays ready for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and
+//! [`counter`], which counts the tests.
 //!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
-//! spheres first, then triangles, the nearest t winning and the lower index on a tie.
+//! quadrics first, then triangles, the nearest t winning and the lower index on a tie.
 
 mod compact;
 pub mod counter;
@@ -31,6 +31,7 @@ mod occluders;
 mod prepared;
 mod primitive_list;
 mod primitives;
+mod quadrics;
 pub mod rays;
 pub mod scalar;
 pub mod single;
@@ -42,9 +43,10 @@ mod tree;
 pub use compact::Layout;
 pub use list::List;
 pub use methods::{MAX_LIST_COST, TRIANGLE_COST, features_of, list_cost};
-pub use methods::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+pub use methods::{Methods, TraversalChoice, TriangleChoice};
 pub use occluders::Occluders;
 pub use prepared::{Packet, SingleRay};
 pub use primitive_list::PrimitiveList;
 pub use primitives::Primitives;
+pub use quadrics::SphereChoice;
 pub use tree::{Tracer, Traversal};

@@ -10,7 +10,7 @@ use super::primitive_list::PrimitiveList;
 use super::tree::Traversal;
 use crate::buffers::Lights;
 use crate::scene::{Primitive, Scene, Sphere, Triangle};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// How far beyond a plane or sphere a surface may reach that counts as on its near side, as a multiple of the
 /// largest coordinate: what rounding of a wall's vertices does to its plane. Rays leave surfaces four times
@@ -39,36 +39,19 @@ impl Occluders {
         if lights.is_empty() || lights.sky.is_some() || has_normals || list_cost(scene) > MAX_LIST_COST {
             return None;
         }
-        let list = Surfaces::of(scene, lights).occluders(scene);
-        let count = list.spheres.len() + list.triangles.len();
+        let (mut list, surfaces) = (PrimitiveList::default(), Surfaces::of(scene, lights));
+        let may_occlude = |number: usize, primitive: Primitive| surfaces.may_occlude(number, primitive);
+        list.keep(scene, may_occlude);
+        let count = list.quadrics.len() + list.triangles.len();
         (count < scene.primitives()).then(|| {
             let hierarchy = hierarchy.map(|(all, traversal)| {
                 // Hits are clamped to padded boxes: the padding of the whole scene gives the same bits.
-                let mut listed = Hierarchy::new(&with_primitives(scene, &list), traversal.trees());
+                let mut listed = Hierarchy::new(&scene.only(may_occlude), traversal.trees());
                 listed.padding = all.padding;
                 listed
             });
             Self { list, hierarchy }
         })
-    }
-}
-
-/// A scene of the listed primitives alone, without what they look like.
-fn with_primitives(scene: &Scene, list: &PrimitiveList) -> Scene {
-    Scene {
-        spheres: list.spheres.iter().map(|&index| scene.spheres[index as usize]).collect(),
-        triangles: list.triangles.iter().map(|&index| scene.triangles[index as usize]).collect(),
-        name: scene.name.clone(),
-        materials: scene.materials.clone(),
-        camera: scene.camera,
-        resolution: scene.resolution,
-        max_bounces: scene.max_bounces,
-        sky: scene.sky,
-        textures: Vec::new(),
-        uvs: Vec::new(),
-        normals: Vec::new(),
-        warnings: Vec::new(),
-        files: Vec::new(),
     }
 }
 
@@ -86,14 +69,8 @@ impl Surfaces {
     fn of(scene: &Scene, lights: &Lights) -> Self {
         let is_light = |number: usize| lights.probabilities[number] > 0.0;
         let mut balls = Vec::new();
-        for number in 0..scene.primitives() {
-            let mut add = |center: Vec3, radius: f32| {
-                balls.push((center.as_dvec3(), f64::from(radius), is_light(number)));
-            };
-            match scene.primitive(number) {
-                Primitive::Sphere(&Sphere { center, radius, .. }) => add(center, radius),
-                Primitive::Triangle(triangle, _) => triangle.vertices.iter().for_each(|&v| add(v, 0.0)),
-            }
+        for (number, primitive) in scene.all_primitives().enumerate() {
+            balls.extend(primitive.balls().map(|(center, radius)| (center, radius, is_light(number))));
         }
         let largest = balls.iter().map(|(center, radius, _)| center.abs().max_element() + radius);
         Self {
@@ -103,14 +80,12 @@ impl Surfaces {
         }
     }
 
-    fn occluders(&self, scene: &Scene) -> PrimitiveList {
-        let spheres = (0u32..)
-            .zip(&scene.spheres)
-            .filter(|(index, sphere)| self.only_light != Some(*index as usize) && !self.are_inside(sphere));
-        let triangles = (0u32..).zip(&scene.triangles).filter(|(_, triangle)| self.may_separate(triangle));
-        PrimitiveList {
-            spheres: spheres.map(|(index, _)| index).collect(),
-            triangles: triangles.map(|(index, _)| index).collect(),
+    /// Whether a primitive may come between a surface and a light.
+    fn may_occlude(&self, number: usize, primitive: Primitive) -> bool {
+        match primitive {
+            Primitive::Sphere(sphere) if self.only_light == Some(number) || self.are_inside(sphere) => false,
+            Primitive::Triangle(triangle) => self.may_separate(triangle),
+            _ => true,
         }
     }
 

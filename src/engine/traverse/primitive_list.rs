@@ -6,13 +6,13 @@
 //! culling would remove those from their picture.
 
 use crate::camera::ViewFrustum;
-use crate::scene::{Scene, Sphere, Triangle};
+use crate::scene::{Primitive, Scene};
 
-/// Primitives in ascending order: spheres by their number, triangles counted from 0.
+/// Primitives in ascending order: quadrics by their number, triangles counted from 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PrimitiveList {
-    /// Indices of spheres.
-    pub spheres: Vec<u32>,
+    /// Indices of quadrics.
+    pub quadrics: Vec<u32>,
     /// Indices of triangles.
     pub triangles: Vec<u32>,
 }
@@ -27,12 +27,17 @@ impl PrimitiveList {
 
     /// [`PrimitiveList::of`] in place.
     pub fn find(&mut self, scene: &Scene, frustum: &ViewFrustum) {
-        let sphere = |s: &Sphere| !frustum.excludes(&[s.center.as_dvec3()], f64::from(s.radius));
-        let triangle = |t: &Triangle| !frustum.excludes(&t.vertices.map(|vertex| vertex.as_dvec3()), 0.0);
-        let (spheres, triangles) = ((0u32..).zip(&scene.spheres), (0u32..).zip(&scene.triangles));
-        self.spheres.clear();
-        self.spheres.extend(spheres.filter(|(_, s)| sphere(s)).map(|(i, _)| i));
+        self.keep(scene, |_, primitive| !frustum.excludes(primitive.balls()));
+    }
+
+    /// The primitives for which `keep` holds, by their numbers.
+    pub fn keep(&mut self, scene: &Scene, keep: impl Fn(usize, Primitive) -> bool) {
+        self.quadrics.clear();
         self.triangles.clear();
-        self.triangles.extend(triangles.filter(|(_, t)| triangle(t)).map(|(i, _)| i));
+        let kept = scene.all_primitives().enumerate().filter(|(number, primitive)| keep(*number, *primitive));
+        kept.for_each(|(number, _)| match number.checked_sub(scene.first_triangle()) {
+            None => self.quadrics.push(number as u32),
+            Some(index) => self.triangles.push(index as u32),
+        });
     }
 }

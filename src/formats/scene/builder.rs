@@ -10,7 +10,7 @@ use super::notes::Notes;
 use super::texture::Textures;
 use super::vertex_colors::VertexColors;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky, Sphere, Triangle, bounds, framing};
+use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky, Triangle};
 use std::path::Path;
 
 /// Default resolution: the size at which speed is measured.
@@ -40,19 +40,15 @@ pub struct Attributes {
 
 #[derive(Default)]
 pub struct SceneBuilder {
-    pub materials: Vec<Material>,
     /// Per material: scene units that one repeat of the texture covers on a triangle without `uvs`.
     texture_sizes: Vec<f64>,
     default_material: Option<u32>,
     pub textures: Textures,
-    pub spheres: Vec<Sphere>,
-    triangles: Vec<Triangle>,
-    uvs: Vec<[Vec2; 3]>,
-    normals: Vec<[Vec3; 3]>,
+    /// Materials, primitives and warnings so far.
+    pub scene: Scene,
     colors: VertexColors,
     /// What is left out of the file that is being read.
     pub notes: Notes,
-    warnings: Vec<String>,
     more_warnings: usize,
 }
 
@@ -67,9 +63,9 @@ impl SceneBuilder {
         &self.textures.files
     }
     pub fn add_material(&mut self, material: Material, texture_size: f64) -> u32 {
-        self.materials.push(material);
+        self.scene.materials.push(material);
         self.texture_sizes.push(texture_size);
-        (self.materials.len() - 1) as u32
+        (self.scene.materials.len() - 1) as u32
     }
     /// The material of primitives that name none.
     pub fn default_material(&mut self) -> u32 {
@@ -88,7 +84,7 @@ impl SceneBuilder {
         if !has_area(&vertices) {
             return false;
         }
-        let before = self.triangles.len();
+        let before = self.scene.triangles.len();
         let colored = attributes.colors.and_then(|colors| Some((self.colored(material)?, colors)));
         let (material, uvs) = match colored {
             Some((material, colors)) => {
@@ -97,13 +93,13 @@ impl SceneBuilder {
             }
             None => (material, attributes.uvs),
         };
-        let is_textured = self.materials[material as usize].textures().next().is_some();
+        let is_textured = self.scene.materials[material as usize].textures().next().is_some();
         let size = self.texture_sizes[material as usize];
         let uvs = is_textured.then(|| uvs.unwrap_or_else(|| planar_uvs(vertices, size)));
         let normals = attributes.normals.filter(|normals| is_smooth(vertices, *normals));
-        push_at(&mut self.uvs, before, uvs);
-        push_at(&mut self.normals, before, normals);
-        self.triangles.push(Triangle { vertices, material });
+        push_at(&mut self.scene.uvs, before, uvs);
+        push_at(&mut self.scene.normals, before, normals);
+        self.scene.triangles.push(Triangle { vertices, material });
         true
     }
     /// The variant of a material whose triangles have vertex colours, which multiply the emission of an
@@ -112,7 +108,7 @@ impl SceneBuilder {
         if let Some(&known) = self.colors.materials.get(&material) {
             return Some(known);
         }
-        let plain = &self.materials[material as usize];
+        let plain = &self.scene.materials[material as usize];
         if plain.textures().next().is_some() {
             return None;
         }
@@ -122,8 +118,8 @@ impl SceneBuilder {
         Some(colored)
     }
     pub fn warn(&mut self, warning: impl Into<String>) {
-        match self.warnings.len() < MAX_WARNINGS {
-            true => self.warnings.push(warning.into()),
+        match self.scene.warnings.len() < MAX_WARNINGS {
+            true => self.scene.warnings.push(warning.into()),
             false => self.more_warnings += 1,
         }
     }
@@ -133,16 +129,12 @@ impl SceneBuilder {
             self.warn(warning);
         }
     }
-    /// The number of triangles so far.
-    pub fn triangles(&self) -> usize {
-        self.triangles.len()
-    }
     /// Refuses more primitives or materials than a scene may have, before so many triangles are added.
     pub fn check_room(&self, triangles: usize) -> Result<(), SceneError> {
-        let primitives = self.spheres.len() + self.triangles.len() + triangles;
+        let primitives = self.scene.primitives() + triangles;
         for (count, most, what) in [
             (primitives, MAX_PRIMITIVES, "spheres and triangles"),
-            (self.materials.len(), MAX_MATERIALS, "materials"),
+            (self.scene.materials.len(), MAX_MATERIALS, "materials"),
         ] {
             if count > most {
                 let error = SceneError::new(format!("the scene holds {count} {what}"));
@@ -150,24 +142,6 @@ impl SceneBuilder {
             }
         }
         Ok(())
-    }
-    /// Whether any primitive emits light.
-    pub fn emits(&self) -> bool {
-        let emits = |material: u32| self.materials[material as usize].emits();
-        self.spheres.iter().any(|sphere| emits(sphere.material))
-            || self.triangles.iter().any(|triangle| emits(triangle.material))
-    }
-    /// A camera that sees the whole scene, or as much of it as the given position and target allow. Domain:
-    /// the scene is not empty.
-    pub fn framing(&self, position: Option<Vec3>, look_at: Option<Vec3>) -> Camera {
-        framing(&self.spheres, &self.triangles, position, look_at)
-    }
-    /// The lower and upper corner of the box around everything.
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        bounds(&self.spheres, &self.triangles).unwrap_or_default()
-    }
-    pub fn is_empty(&self) -> bool {
-        self.spheres.is_empty() && self.triangles.is_empty()
     }
     /// The scene, unless it has too many primitives or materials.
     pub fn finish(
@@ -179,29 +153,15 @@ impl SceneBuilder {
         sky: Sky,
     ) -> Result<Scene, SceneError> {
         self.check_room(0)?;
-        self.colors.lay_out(&mut self.textures.list, &mut self.uvs)?;
+        self.colors.lay_out(&mut self.textures.list, &mut self.scene.uvs)?;
         std::mem::take(&mut self.textures.left_out).into_iter().for_each(|what| self.warn(what));
-        if sky.is_black() && !self.emits() {
+        if sky.is_black() && !self.scene.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }
         if self.more_warnings > 0 {
-            self.warnings.push(format!("{} more warnings are left out.", self.more_warnings));
+            self.scene.warnings.push(format!("{} more warnings are left out.", self.more_warnings));
         }
-        Ok(Scene {
-            name,
-            camera,
-            resolution,
-            max_bounces,
-            sky,
-            materials: self.materials,
-            textures: self.textures.list,
-            spheres: self.spheres,
-            triangles: self.triangles,
-            uvs: self.uvs,
-            normals: self.normals,
-            warnings: self.warnings,
-            files: Vec::new(),
-        })
+        Ok(Scene { name, camera, resolution, max_bounces, sky, textures: self.textures.list, ..self.scene })
     }
 }
 
@@ -249,23 +209,23 @@ const FLAT: f64 = 0.77;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::scene::Side;
+    use octray_engine::scene::{Side, Sphere};
 
     #[test]
     fn room_ends_at_the_limits_of_a_scene() {
         let mut builder = SceneBuilder::default();
         let material = builder.default_material();
         let (center, radius, texture_side, texture_turn) = (Vec3::ZERO, 1.0, Side::Outside, 0.0);
-        builder.spheres.push(Sphere { center, radius, material, texture_side, texture_turn });
+        builder.scene.spheres.push(Sphere { center, radius, material, texture_side, texture_turn });
         assert!(builder.add_triangle([Vec3::ZERO, Vec3::X, Vec3::Y], material, Attributes::default()));
         assert!(builder.check_room(MAX_PRIMITIVES - 2).is_ok());
         let error = builder.check_room(MAX_PRIMITIVES - 1).unwrap_err();
         assert_eq!(error.what, "the scene holds 268435457 spheres and triangles");
 
         let grey = Material::new("m", MaterialKind::Diffuse, Vec3::ONE);
-        builder.materials.resize(MAX_MATERIALS, grey.clone());
+        builder.scene.materials.resize(MAX_MATERIALS, grey.clone());
         assert!(builder.check_room(0).is_ok());
-        builder.materials.push(grey);
+        builder.scene.materials.push(grey);
         let error = builder.check_room(0).unwrap_err();
         assert_eq!(error.what, "the scene holds 1048577 materials");
         assert_eq!(error.mend.as_deref(), Some("leave at most 1048576"));

@@ -89,7 +89,7 @@ pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<S
         Model::Gltf(gltf) => gltf.camera(path, &mut builder),
         Model::Obj(_) | Model::Ply(_) => None,
     };
-    let camera = own.unwrap_or_else(|| builder.framing(None, None));
+    let camera = own.unwrap_or_else(|| builder.scene.framing(None, None));
     if let Some((_, what, _)) = camera.fault() {
         let mend = "scale the model up, or move it nearer to the origin";
         return Err(fault(format!("the mesh cannot be framed: {what}"), mend));

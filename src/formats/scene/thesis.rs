@@ -116,7 +116,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
         let count = without_area.len();
         builder.warn(format!("{count} of zero area among the triangles, first triangle[{first}], left out."));
     }
-    if builder.is_empty() {
+    if builder.scene.primitives() == 0 {
         let mend = "add an entry to `sphere` or `triangle`";
         return Err(root.error("the scene holds nothing to see", mend));
     }
@@ -190,7 +190,7 @@ impl Loader {
             // on balls.
             texture_side: Side::Inside,
         };
-        self.builder.spheres.push(sphere);
+        self.builder.scene.spheres.push(sphere);
         Ok(())
     }
     /// Returns false for a triangle without area.

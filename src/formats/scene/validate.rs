@@ -62,17 +62,17 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
         Some(sky) => faults.none_in(material::sky(&mut builder, sky, &root.key("sky")).map(Some))?,
         None => None,
     };
-    if builder.is_empty() {
+    if builder.scene.primitives() == 0 {
         let mend = "add an entry to `spheres`, `triangles` or `meshes`";
         return Err(faults.all().unwrap_or(root.error("the scene holds nothing to see", mend)));
     }
-    let framed = |position, look_at| builder.framing(position, look_at);
+    let framed = |position, look_at| builder.scene.framing(position, look_at);
     let camera = camera(&root.key("camera"), &file.camera.unwrap_or_default(), framed);
     let camera = faults.none_in(camera.map(Some))?;
     let Some(camera) = camera.filter(|_| faults.0.is_empty()) else {
         return Err(faults.all().expect("without a fault there is a camera"));
     };
-    let plain = if builder.emits() { Vec3::ZERO } else { Vec3::ONE };
+    let plain = if builder.scene.emits() { Vec3::ZERO } else { Vec3::ONE };
     let sky = sky.unwrap_or(Sky::Color(plain));
     builder.finish(name, camera, resolution, max_bounces, sky).map_err(|error| error.in_file(source.file))
 }
@@ -168,7 +168,7 @@ impl<'a> Loader<'a> {
                 Some(SideFile::Outside) | None => Side::Outside,
             },
         };
-        self.builder.spheres.push(sphere);
+        self.builder.scene.spheres.push(sphere);
         Ok(())
     }
 
@@ -242,12 +242,12 @@ impl<'a> Loader<'a> {
                 Rc::new(model::read(&bytes, &path, self.builder.files())?)
             }
         };
-        let before = self.builder.triangles();
+        let before = self.builder.scene.triangles.len();
         let added = model.add(&path, &mut self.builder, material, &placement);
         let uses = self.uses[name.as_str()];
         if uses > 1 && !is_copy {
             self.models.insert(name, model);
-            self.copies += (self.builder.triangles() - before) * (uses - 1);
+            self.copies += (self.builder.scene.triangles.len() - before) * (uses - 1);
             if self.copies > MAX_COPIES {
                 let what = format!("copies of models add up to more than {MAX_COPIES} triangles");
                 return Err(place.error(what, "name the model fewer times, or simplify it"));

@@ -184,7 +184,7 @@ impl Share {
     fn of(scene: &Scene, settings: &Settings, samples: u32) -> Self {
         let pixels = settings.resolution[0] as usize * settings.resolution[1] as usize;
         // A sample of every pixel costs about this many tests: the primary hit, and a path of some segments.
-        let tests = (pixels * (scene.spheres.len() + scene.triangles.len()) * 4).max(1);
+        let tests = (pixels * scene.primitives() * 4).max(1);
         let affordable = u32::try_from(MOST_TESTS / tests).unwrap_or(u32::MAX).max(1);
         // Coprime to the width, so that no column is left out.
         let mut stride = tests.div_ceil(MOST_TESTS);

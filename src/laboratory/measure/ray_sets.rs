@@ -8,7 +8,6 @@
 //! ([`crate::kernel::surface`]). Their random numbers are a function of seed and pixel alone.
 
 use crate::camera::{Pinhole, Tile};
-use crate::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
 use crate::math::{MISS, Ray, Vec3};
 use crate::sampling::dimension::{DIRECTION, bounce};
 use crate::sampling::random::{path_key, uniform};
@@ -144,21 +143,8 @@ impl RaySet {
 
 /// Origin of a secondary ray at a hit, and the unit normal on the side from which the first ray arrives.
 pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Answer) -> (Vec3<f32>, Vec3<f32>) {
-    let number = hit.primitive as usize;
-    let (point, outward, offset) = match scene.spheres.get(number) {
-        Some(sphere) => {
-            let center = Vec3::splat(sphere.center);
-            let (point, outward) = sphere_surface(ray.at(hit.t), center, 1.0 / sphere.radius, true);
-            (point, outward, sphere_offset(sphere.center, sphere.radius))
-        }
-        None => {
-            let vertices = scene.triangles[number - scene.spheres.len()].vertices;
-            let [a, b, c] = vertices;
-            let (a, ab, ac) = (Vec3::splat(a), Vec3::splat(b - a), Vec3::splat(c - a));
-            let point = ab.mul_add(hit.u, ac.mul_add(hit.v, a));
-            (point, Vec3::splat(triangle_normal(vertices)), triangle_offset(vertices))
-        }
-    };
+    let primitive = scene.primitive(hit.primitive as usize);
+    let (point, outward, offset) = primitive.surface(ray.at(hit.t), [hit.u, hit.v]);
     let normal = outward.flip_sign(-ray.direction.dot(outward));
     (normal.mul_add(offset, point), normal)
 }

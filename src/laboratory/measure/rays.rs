@@ -141,7 +141,7 @@ fn applies(method: TraceMethod, kind: Kind) -> bool {
 
 /// Whether testing every primitive takes too long for these rays.
 pub fn too_many_for_linear(scene: &Scene, set: &RaySet) -> bool {
-    (scene.spheres.len() + scene.triangles.len()).saturating_mul(set.len()) > MOST_LINEAR
+    scene.primitives().saturating_mul(set.len()) > MOST_LINEAR
 }
 
 /// A method on a pool while it is timed.

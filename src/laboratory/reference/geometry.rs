@@ -1,24 +1,69 @@
-//! Spheres and triangles in double precision: where a ray hits them, and the surface at that point.
+//! Spheres and triangles in double precision: where a ray hits them, the surface at that point, and how
+//! accurate single precision is there.
 
 use super::texture;
-use crate::scene::Side;
+use crate::scene::{Scene, Side};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-pub(super) struct Sphere {
-    pub center: DVec3,
-    pub radius: f64,
-    pub turn: f64,
-    pub picture_from: Side,
-    pub material: usize,
+/// Roundings that both kernels stay within; see the sums above.
+const BOUND: f64 = 40.0 / 16_777_216.0;
+
+/// A primitive in double precision.
+pub(super) trait Primitive: Send + Sync {
+    /// The smallest t > 0 at which a ray hits it, and barycentric weights: see [`Hit`].
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)>;
+    /// The surface at a hit at `point`.
+    fn surface(&self, point: DVec3, u: f64, v: f64) -> Surface;
+    /// How far a right hit may lie from it: see [`super::verdict`].
+    fn bound(&self, origin: DVec3, unit: DVec3) -> f64;
+    /// Of a point from it.
+    fn distance(&self, point: DVec3) -> f64;
+    /// Where a ray passes through it by more than the bound.
+    fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing>;
+    /// How far the point of the weights `u` and `v` lies off a ray; `None` on what has no weights.
+    fn off_ray(&self, _origin: DVec3, _unit: DVec3, _u: f64, _v: f64) -> Option<f64> {
+        None
+    }
 }
 
-pub(super) struct Triangle {
-    pub vertices: [DVec3; 3],
-    pub uvs: [DVec2; 3],
+/// The primitives of a scene by their numbers; every single-precision number converts exactly.
+pub(super) fn primitives(scene: &Scene) -> Vec<Box<dyn Primitive>> {
+    let spheres = scene.spheres.iter().map(|sphere| -> Box<dyn Primitive> {
+        Box::new(Sphere {
+            center: sphere.center.as_dvec3(),
+            radius: f64::from(sphere.radius),
+            turn: f64::from(sphere.texture_turn),
+            picture_from: sphere.texture_side,
+            material: sphere.material as usize,
+        })
+    });
+    let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| -> Box<dyn Primitive> {
+        let (uvs, normals) = (scene.uvs.get(index), scene.normals.get(index));
+        Box::new(Triangle {
+            vertices: triangle.vertices.map(|vertex| vertex.as_dvec3()),
+            uvs: uvs.map_or([DVec2::ZERO; 3], |uvs| uvs.map(|uv| uv.as_dvec2())),
+            normals: normals.map_or([DVec3::ZERO; 3], |normals| normals.map(|n| n.as_dvec3())),
+            material: triangle.material as usize,
+        })
+    });
+    spheres.chain(triangles).collect()
+}
+
+struct Sphere {
+    center: DVec3,
+    radius: f64,
+    turn: f64,
+    picture_from: Side,
+    material: usize,
+}
+
+struct Triangle {
+    vertices: [DVec3; 3],
+    uvs: [DVec2; 3],
     /// Unit vertex normals, or zeros.
-    pub normals: [DVec3; 3],
-    pub material: usize,
+    normals: [DVec3; 3],
+    material: usize,
 }
 
 /// The closest hit of a ray.
@@ -32,6 +77,14 @@ pub struct Hit {
     pub u: f64,
     /// Barycentric weight of a triangle's third vertex; 0 on spheres.
     pub v: f64,
+}
+
+/// A place where a ray passes through a primitive by more than the error bound.
+pub(super) struct Crossing {
+    /// From the origin.
+    pub distance: f64,
+    /// Its error bound along the ray.
+    pub slack: f64,
 }
 
 /// The surface at a hit point.
@@ -81,13 +134,12 @@ pub fn hit_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -
     [t0.min(t1), t0.max(t1)].into_iter().find(|&t| t > 0.0)
 }
 
-impl Sphere {
-    pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        hit_sphere(self.center, self.radius, origin, direction)
+impl Primitive for Sphere {
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
+        hit_sphere(self.center, self.radius, origin, direction).map(|t| (t, 0.0, 0.0))
     }
 
-    /// The point of the surface nearest to `point`.
-    pub(super) fn surface(&self, point: DVec3) -> Surface {
+    fn surface(&self, point: DVec3, _u: f64, _v: f64) -> Surface {
         let normal = (point - self.center).normalize();
         let turned = DVec3::new(normal.z, 0.0, -normal.x);
         let east = if turned.length() < 1e-6 { DVec3::X } else { turned.normalize() };
@@ -111,16 +163,52 @@ impl Sphere {
             scale: self.center.abs().max_element() + self.radius,
         }
     }
+
+    fn bound(&self, origin: DVec3, _unit: DVec3) -> f64 {
+        BOUND * ((origin - self.center).length() + self.radius)
+    }
+
+    fn distance(&self, point: DVec3) -> f64 {
+        ((point - self.center).length() - self.radius).abs()
+    }
+
+    /// None, or two: entry and exit.
+    fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
+        let bound = self.bound(origin, unit);
+        let to_center = self.center - origin;
+        let middle = to_center.dot(unit);
+        let perpendicular = (to_center - unit * middle).length();
+        // A NaN, from a direction of length zero, is no crossing.
+        if self.radius - perpendicular > bound {
+            let half = (self.radius * self.radius - perpendicular * perpendicular).sqrt();
+            let slack = 2.0 * bound / (half / self.radius);
+            [middle - half, middle + half].map(|distance| Crossing { distance, slack }).into()
+        } else {
+            Vec::new()
+        }
+    }
 }
 
 impl Triangle {
+    /// The bound on whether the ray passes an edge.
+    fn outline_bound(&self, origin: DVec3) -> f64 {
+        BOUND * self.vertices.map(|vertex| (vertex - origin).length()).into_iter().fold(0.0, f64::max)
+    }
+
+    /// The vertices projected along the ray, which is at the origin.
+    fn across(&self, origin: DVec3, unit: DVec3) -> [DVec3; 3] {
+        self.vertices.map(|vertex| (vertex - origin) - unit * (vertex - origin).dot(unit))
+    }
+}
+
+impl Primitive for Triangle {
     /// t > 0 and the barycentric weights of the second and third vertex.
     ///
     /// A ray that hits passes all three edges on the same side: three volumes of one sign. Two triangles with
     /// a common edge compute the same volume for it, bit for bit, with opposite signs, so no ray passes
     /// between them. (Plücker coordinates; see Shoemake, "Plücker Coordinate Tutorial", Ray Tracing News
     /// 11(1), 1998.)
-    pub(super) fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
         let [a, b, c] = self.vertices.map(|vertex| vertex - origin);
         let weights = [c.cross(b).dot(direction), a.cross(c).dot(direction), b.cross(a).dot(direction)];
         let sum: f64 = weights.iter().sum();
@@ -130,7 +218,7 @@ impl Triangle {
         (one_sign && sum != 0.0 && t > 0.0 && t.is_finite()).then(|| (t, weights[1] / sum, weights[2] / sum))
     }
 
-    pub(super) fn surface(&self, u: f64, v: f64) -> Surface {
+    fn surface(&self, _point: DVec3, u: f64, v: f64) -> Surface {
         let [a, b, c] = self.vertices;
         let weights = [1.0 - u - v, u, v];
         let uv = self.uvs[0] * weights[0] + self.uvs[1] * weights[1] + self.uvs[2] * weights[2];
@@ -168,4 +256,53 @@ impl Triangle {
             scale: a.abs().max(b.abs()).max(c.abs()).max_element(),
         }
     }
+
+    fn bound(&self, origin: DVec3, unit: DVec3) -> f64 {
+        let [a, b, c] = self.across(origin, unit);
+        let det = (b - a).cross(c - a).length();
+        let lengths = [a, b, c].map(|vertex| vertex.length());
+        let shape = BOUND * lengths.iter().product::<f64>() / det;
+        // For 0 / 0, `f64::min` returns the other operand.
+        self.outline_bound(origin) + shape.min(3.0_f64.sqrt() * lengths.into_iter().fold(0.0, f64::max))
+    }
+
+    fn distance(&self, point: DVec3) -> f64 {
+        let [a, b, c] = self.vertices.map(|vertex| vertex - point);
+        let normal = (b - a).cross(c - a).normalize();
+        let inside = |from: DVec3, to: DVec3| (to - from).cross(-from).dot(normal) >= 0.0;
+        if inside(a, b) && inside(b, c) && inside(c, a) {
+            return a.dot(normal).abs();
+        }
+        outline_distance([a, b, c])
+    }
+
+    /// None or one.
+    fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
+        let [a, b, c] = self.across(origin, unit);
+        let sides = [a.cross(b).dot(unit), b.cross(c).dot(unit), c.cross(a).dot(unit)];
+        let inside = sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0);
+        if !inside || outline_distance([a, b, c]) <= self.outline_bound(origin) {
+            return Vec::new();
+        }
+        let normal =
+            (self.vertices[1] - self.vertices[0]).cross(self.vertices[2] - self.vertices[0]).normalize();
+        let distance = normal.dot(self.vertices[0] - origin) / normal.dot(unit);
+        vec![Crossing { distance, slack: self.bound(origin, unit) / normal.dot(unit).abs() }]
+    }
+
+    fn off_ray(&self, origin: DVec3, unit: DVec3, u: f64, v: f64) -> Option<f64> {
+        let [a, b, c] = self.across(origin, unit);
+        Some((a + (b - a) * u + (c - a) * v).length())
+    }
+}
+
+/// Distance of the origin from the nearest of three edges.
+fn outline_distance([a, b, c]: [DVec3; 3]) -> f64 {
+    let to_edge = |from: DVec3, to: DVec3| {
+        let edge = to - from;
+        let along = (-from.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+        // Both vertices project to one point: the edge has no length.
+        if along.is_nan() { from.length() } else { (from + edge * along).length() }
+    };
+    to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
 }

@@ -110,7 +110,8 @@ impl Reference {
                 break;
             };
             // 3. The surface and its material.
-            let surface = self.surface(origin, direction, hit);
+            let primitive = &self.primitives[hit.primitive as usize];
+            let surface = primitive.surface(origin + direction * hit.t, hit.u, hit.v);
             let material = &self.materials[surface.material];
             let cosine = -direction.dot(surface.ng);
             width += spread * hit.t;

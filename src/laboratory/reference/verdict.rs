@@ -57,12 +57,9 @@
 //! Roundings seldom all add up: of 2·10⁵ random rays the worst stays below a tenth of these sums
 //! (`rounding_of_a_good_kernel_is_right` also passes with 4 for 40, and fails with 2).
 
-use super::geometry::{Sphere, Triangle};
+use super::geometry::Crossing;
 use super::scene::Reference;
 use glam::DVec3;
-
-/// Roundings that both kernels stay within; see the sums above.
-const BOUND: f64 = 40.0 / 16_777_216.0;
 
 /// Largest excess of a weight beyond [0, 1].
 const WEIGHT_BOUND: f64 = 5.0 / 16_777_216.0;
@@ -100,14 +97,6 @@ pub enum Verdict {
     },
 }
 
-/// A place where a ray passes through a primitive by more than the error bound.
-struct Crossing {
-    /// From the origin.
-    distance: f64,
-    /// Its error bound along the ray.
-    slack: f64,
-}
-
 impl Reference {
     /// Checks the hit of `primitive` at `t` (`u32::MAX`: a miss, whatever t is) of a ray whose direction need
     /// not have unit length.
@@ -136,24 +125,16 @@ impl Reference {
             }
             t_max = f64::from(t) * length;
             let point = origin + unit * t_max;
-            let index = primitive as usize;
-            let (distance, bound) = if let Some(sphere) = self.spheres.get(index) {
-                (sphere.distance(point), sphere.bound(origin))
-            } else if let Some(triangle) = self.triangles.get(index - self.spheres.len()) {
-                (triangle.distance(point), triangle.bound(origin, unit))
-            } else {
-                return Verdict::Invalid;
-            };
+            let Some(primitive) = self.primitives.get(primitive as usize) else { return Verdict::Invalid };
+            let (distance, bound) = (primitive.distance(point), primitive.bound(origin, unit));
             if distance > bound {
                 return Verdict::OffSurface { distance, bound };
             }
         }
-        let spheres = self.spheres.iter().map(|sphere| sphere.crossings(origin, unit));
-        let triangles = self.triangles.iter().map(|triangle| triangle.crossings(origin, unit));
-        for (primitive, crossings) in spheres.chain(triangles).enumerate() {
-            for Crossing { distance, slack } in crossings {
+        for (number, primitive) in self.primitives.iter().enumerate() {
+            for Crossing { distance, slack } in primitive.crossings(origin, unit) {
                 if distance > slack && distance + slack < t_max {
-                    return Verdict::Overlooked { primitive: primitive as u32, distance, slack };
+                    return Verdict::Overlooked { primitive: number as u32, distance, slack };
                 }
             }
         }
@@ -172,100 +153,14 @@ impl Reference {
     ) -> Verdict {
         let origin = DVec3::from_array(origin.map(f64::from));
         let unit = DVec3::from_array(direction.map(f64::from)).normalize();
-        let triangle = (primitive as usize).checked_sub(self.spheres.len());
-        let Some(triangle) = triangle.and_then(|index| self.triangles.get(index)) else {
-            return Verdict::Right;
-        };
         let (u, v) = (f64::from(u), f64::from(v));
+        let Some(primitive) = self.primitives.get(primitive as usize) else { return Verdict::Right };
+        let Some(distance) = primitive.off_ray(origin, unit, u, v) else { return Verdict::Right };
         // Written so that a NaN is invalid.
         if !([u, v, 1.0 - u - v].into_iter().all(|weight| weight >= -WEIGHT_BOUND) && unit.is_finite()) {
             return Verdict::Invalid;
         }
-        let [a, b, c] = triangle.across(origin, unit);
-        let distance = (a + (b - a) * u + (c - a) * v).length();
-        let bound = triangle.bound(origin, unit);
+        let bound = primitive.bound(origin, unit);
         if distance > bound { Verdict::OffRay { distance, bound } } else { Verdict::Right }
     }
-}
-
-impl Sphere {
-    fn bound(&self, origin: DVec3) -> f64 {
-        BOUND * ((origin - self.center).length() + self.radius)
-    }
-
-    fn distance(&self, point: DVec3) -> f64 {
-        ((point - self.center).length() - self.radius).abs()
-    }
-
-    /// None, or two: entry and exit.
-    fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
-        let bound = self.bound(origin);
-        let to_center = self.center - origin;
-        let middle = to_center.dot(unit);
-        let perpendicular = (to_center - unit * middle).length();
-        // A NaN, from a direction of length zero, is no crossing.
-        if self.radius - perpendicular > bound {
-            let half = (self.radius * self.radius - perpendicular * perpendicular).sqrt();
-            let slack = 2.0 * bound / (half / self.radius);
-            [middle - half, middle + half].map(|distance| Crossing { distance, slack }).into()
-        } else {
-            Vec::new()
-        }
-    }
-}
-
-impl Triangle {
-    /// The bound on whether the ray passes an edge.
-    fn outline_bound(&self, origin: DVec3) -> f64 {
-        BOUND * self.vertices.map(|vertex| (vertex - origin).length()).into_iter().fold(0.0, f64::max)
-    }
-
-    /// The vertices projected along the ray, which is at the origin.
-    fn across(&self, origin: DVec3, unit: DVec3) -> [DVec3; 3] {
-        self.vertices.map(|vertex| (vertex - origin) - unit * (vertex - origin).dot(unit))
-    }
-
-    fn bound(&self, origin: DVec3, unit: DVec3) -> f64 {
-        let [a, b, c] = self.across(origin, unit);
-        let det = (b - a).cross(c - a).length();
-        let lengths = [a, b, c].map(|vertex| vertex.length());
-        let shape = BOUND * lengths.iter().product::<f64>() / det;
-        // For 0 / 0, `f64::min` returns the other operand.
-        self.outline_bound(origin) + shape.min(3.0_f64.sqrt() * lengths.into_iter().fold(0.0, f64::max))
-    }
-
-    fn distance(&self, point: DVec3) -> f64 {
-        let [a, b, c] = self.vertices.map(|vertex| vertex - point);
-        let normal = (b - a).cross(c - a).normalize();
-        let inside = |from: DVec3, to: DVec3| (to - from).cross(-from).dot(normal) >= 0.0;
-        if inside(a, b) && inside(b, c) && inside(c, a) {
-            return a.dot(normal).abs();
-        }
-        outline_distance([a, b, c])
-    }
-
-    /// None or one.
-    fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
-        let [a, b, c] = self.across(origin, unit);
-        let sides = [a.cross(b).dot(unit), b.cross(c).dot(unit), c.cross(a).dot(unit)];
-        let inside = sides.iter().all(|&side| side > 0.0) || sides.iter().all(|&side| side < 0.0);
-        if !inside || outline_distance([a, b, c]) <= self.outline_bound(origin) {
-            return Vec::new();
-        }
-        let normal =
-            (self.vertices[1] - self.vertices[0]).cross(self.vertices[2] - self.vertices[0]).normalize();
-        let distance = normal.dot(self.vertices[0] - origin) / normal.dot(unit);
-        vec![Crossing { distance, slack: self.bound(origin, unit) / normal.dot(unit).abs() }]
-    }
-}
-
-/// Distance of the origin from the nearest of three edges.
-fn outline_distance([a, b, c]: [DVec3; 3]) -> f64 {
-    let to_edge = |from: DVec3, to: DVec3| {
-        let edge = to - from;
-        let along = (-from.dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
-        // Both vertices project to one point: the edge has no length.
-        if along.is_nan() { from.length() } else { (from + edge * along).length() }
-    };
-    to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
 }

@@ -16,4 +16,4 @@ mod box_ray;
 mod padding;
 
 pub use box_ray::{BoxRay, in_order, own_box};
-pub use padding::{Padding, sphere_padding};
+pub use padding::{Padding, sphere_bounds, sphere_padding};

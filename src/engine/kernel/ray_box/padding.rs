@@ -52,6 +52,16 @@ pub fn sphere_padding(center: glam::Vec3, radius: f32) -> f32 {
     radius * f32::powi(0.5, 16) + center.length() * f32::powi(0.5, 19)
 }
 
+/// The lower and upper corner of a box that holds a sphere and all computed hit points, except for the part
+/// of their error that grows with the distance of the ray's origin ([`Padding`] covers that). centre ± radius
+/// is rounded by at most half a unit in the last place, so one unit outwards is enough. Domain: |centre| +
+/// radius well below f32's largest number, which scene validation ensures.
+pub fn sphere_bounds(center: glam::Vec3, radius: f32) -> [glam::Vec3; 2] {
+    let outwards = |x: glam::Vec3, to: fn(f32) -> f32| glam::Vec3::new(to(x.x), to(x.y), to(x.z));
+    let half = radius + sphere_padding(center, radius);
+    [outwards(center - half, f32::next_down), outwards(center + half, f32::next_up)]
+}
+
 impl Padding {
     /// Of a scene whose boxes have no coordinate beyond `extent`.
     pub const fn new(extent: f32) -> Self {

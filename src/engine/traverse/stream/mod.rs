@@ -225,7 +225,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
-            self.spheres::<ANY>(node.children()[slot], start, count);
+            self.quadrics::<ANY>(node.children()[slot], start, count);
         }
         let mut order = [0u64; WIDE];
         let order = &mut order[..nodes.count_ones() as usize];
@@ -307,14 +307,14 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    fn spheres<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
+    fn quadrics<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
         let Stream { prepared, lists, .. } = &mut **stream;
         for &entry in &lists[start..start + count] {
             update_hit::<ANY>(entry, prepared, hits, |listed, hits| {
                 counter.leaf(hierarchy, leaf, 1);
                 let mut hit = listed.hit(hits);
-                hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);
+                hierarchy.quadrics[leaf.index()].intersect(&rays.packet(listed.ray()), &mut hit);
                 Some(hit)
             });
         }

@@ -136,9 +136,9 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
 
     #[inline(always)]
     fn leaf(&mut self, leaf: Child) {
-        if leaf.is_spheres() {
-            self.counter.packet_spheres(self.hierarchy, leaf, L::WIDTH);
-            if self.hierarchy.intersect_spheres_packet(leaf.index(), &self.packet.ray, &mut self.hit) {
+        if leaf.is_quadrics() {
+            self.counter.packet_quadrics(self.hierarchy, leaf, L::WIDTH);
+            if self.hierarchy.intersect_quadrics_packet(leaf.index(), &self.packet.ray, &mut self.hit) {
                 self.shorten();
             }
             return;

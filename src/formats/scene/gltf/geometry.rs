@@ -30,8 +30,8 @@ pub struct Geometry {
 impl Geometry {
     /// Notes which of the vertices' attributes the material cannot use, and which it lacks.
     pub fn note_unused(&self, material: u32, place: &JsonPath, builder: &mut SceneBuilder) {
-        let is_textured = builder.materials[material as usize].textures().next().is_some();
-        if self.has_tangents && builder.materials[material as usize].normal_map.is_some() {
+        let is_textured = builder.scene.materials[material as usize].textures().next().is_some();
+        if self.has_tangents && builder.scene.materials[material as usize].normal_map.is_some() {
             let what = "tangents are left out: they follow from the texture coordinates";
             builder.notes.add(&place.key("attributes").key("TANGENT"), what);
         }

@@ -114,7 +114,7 @@ impl Gltf {
                             None => {
                                 let mut own = materials.of(primitive, &place, builder)?;
                                 if let Some(color) = geometry.take_only_color() {
-                                    let plain = builder.materials[own.number as usize].clone();
+                                    let plain = builder.scene.materials[own.number as usize].clone();
                                     let (of, light) = (plain.color * color, plain.emission * color);
                                     let tinted = match plain.kind {
                                         MaterialKind::Emitter => Material { emission: light, ..plain },
@@ -153,7 +153,7 @@ impl Gltf {
     /// The model's first camera, if it is one that octray has.
     pub fn camera(&self, path: &Path, builder: &mut SceneBuilder) -> Option<Camera> {
         let (index, transform) = self.nodes.camera?;
-        let (lower, upper) = builder.bounds();
+        let (lower, upper) = builder.scene.bounds();
         let mut framed = |why: &str| {
             builder.warn(format!("{}: cameras[{index}] {why}: the model is framed instead.", path.display()));
         };

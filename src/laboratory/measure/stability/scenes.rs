@@ -56,13 +56,7 @@ pub fn empty() -> Scene {
         max_bounces: 1,
         sky: Sky::Color(Vec3::ONE),
         materials: vec![diffuse],
-        textures: Vec::new(),
-        spheres: Vec::new(),
-        triangles: Vec::new(),
-        uvs: Vec::new(),
-        normals: Vec::new(),
-        warnings: Vec::new(),
-        files: Vec::new(),
+        ..Scene::default()
     }
 }
 

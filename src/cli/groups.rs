@@ -40,7 +40,7 @@ pub struct MethodArgs {
     #[arg(long, value_name = "METHOD", value_parser = choice::<TriangleChoice>())]
     pub triangle: Option<TriangleChoice>,
     /// How rays find the primitives that they hit; it does not change the picture. The methods naive and
-    /// moller-trumbore have no hierarchy: every primitive is tested [default: needed].
+    /// moller-trumbore have no hierarchy: every primitive is tested [default: auto].
     #[arg(long, value_name = "TRAVERSAL", value_parser = choice::<TraversalChoice>())]
     pub traversal: Option<TraversalChoice>,
     /// Which emitters next event estimation samples. It changes the noise, not the expected picture [default:

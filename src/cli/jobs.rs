@@ -246,7 +246,7 @@ mod tests {
             "lights": "on", "sampler": "random", "pipeline": "general" });
         let other = json!({ "samples": 1, "seed": 2, "exposure": 3, "tone": "aces", "clamp": 4,
             "sphere": "robust", "triangle": "woop", "traversal": "single",
-            "lights": "off", "sampler": "sobol", "pipeline": "needed" });
+            "lights": "off", "sampler": "sobol", "pipeline": "auto" });
         let none = json!({});
         let by_view = chosen(&some, &none);
         assert_eq!(by_view, chosen(&none, &some));

@@ -42,7 +42,7 @@ pub struct PictureOptions {
     pub tone: Option<Operator>,
     #[command(flatten)]
     pub methods: MethodArgs,
-    /// Features that the pipeline is compiled for; it does not change the picture [default: needed].
+    /// Features that the pipeline is compiled for; it does not change the picture [default: auto].
     #[arg(long, value_name = "PIPELINE", value_parser = choice::<PipelineChoice>())]
     pub pipeline: Option<PipelineChoice>,
 }

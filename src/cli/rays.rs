@@ -66,7 +66,7 @@ pub struct Options {
     /// Worker threads [default: one, and once more all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Measure this traversal only; `needed` measures all that suit the kind of rays.
+    /// Measure this traversal only; `auto` measures all that suit the kind of rays.
     #[arg(long, value_name = "TRAVERSAL", default_value = TraversalChoice::default().name(), value_parser = choice::<TraversalChoice>())]
     traversal: TraversalChoice,
     /// Measured passes for each traversal [default: at least 10, and as many as fit into a second for each

@@ -358,7 +358,7 @@ mod tests {
             scaling: None,
             needs: Vec::new(),
             traversal: "linear",
-            pipeline: "needed",
+            pipeline: "auto",
             over_general: None,
             stats: None,
         }

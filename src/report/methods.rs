@@ -164,7 +164,7 @@ impl DefaultReport {
             (
                 true,
                 "pipeline",
-                "needed",
+                "auto",
                 "it is compiled for the smallest set of features that holds the scene's; the picture stays the same",
             ),
         ];

@@ -433,7 +433,7 @@ fn picture_is_the_same_through_every_traversal() {
         let linear = by(TraversalChoice::Linear, 1);
         let expected = Print::of(&scene, linear, &[4]);
         let through = Traversal::ALL.map(TraversalChoice::Through);
-        for traversal in through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Needed]) {
+        for traversal in through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Auto]) {
             for lanes in WIDTHS {
                 let settings = by(traversal, lanes);
                 Print::of(&scene, settings, &[4]).assert_same(&expected, settings, &[4]);

@@ -228,7 +228,7 @@ fn check(seed: u64) -> Result<bool, String> {
         let settings = Settings {
             lanes,
             methods: Methods { lights, sampler, traversal, ..Methods::default() },
-            pipeline: of(&mut rng, &[PipelineChoice::Needed, PipelineChoice::General]),
+            pipeline: of(&mut rng, &[PipelineChoice::Auto, PipelineChoice::General]),
             seed: seed as u32,
             ..Settings::of(&scene)
         };
@@ -254,7 +254,7 @@ fn check(seed: u64) -> Result<bool, String> {
 }
 
 const TRAVERSALS: [TraversalChoice; 5] = [
-    TraversalChoice::Needed,
+    TraversalChoice::Auto,
     TraversalChoice::Linear,
     TraversalChoice::Through(Traversal::Single),
     TraversalChoice::Through(Traversal::Packet),

@@ -278,7 +278,7 @@ fn tiles_that_go_on_together_have_the_same_rays_in_fewer_packets() {
     let scene = load("builtin:three").unwrap();
     // Of 90 tiles one thread traces five together, three threads one.
     let [together, alone] = [1, 3].map(|threads| {
-        let of_threads = settings(&scene, TraversalChoice::Needed, 8, threads);
+        let of_threads = settings(&scene, TraversalChoice::Auto, 8, threads);
         rendered(&scene, Settings { resolution: [160, 140], ..of_threads }, true).2.segments
     });
     assert_eq!((together.len(), alone.len()), (4, 4));
@@ -294,7 +294,7 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
     for name in ["builtin:three", "builtin:cornell", "builtin:knot:500"] {
         let scene = load(name).unwrap();
         for lanes in WIDTHS {
-            let settings = settings(&scene, TraversalChoice::Needed, lanes, 2);
+            let settings = settings(&scene, TraversalChoice::Auto, lanes, 2);
             let (_, rays, stats) = rendered(&scene, settings, true);
             assert_eq!(stats.rays(RayKind::Primary), 3 * 50 * 35, "{name}");
             assert_eq!(RayKind::ALL.map(|kind| stats.rays(kind)).iter().sum::<u64>(), rays, "{name}");

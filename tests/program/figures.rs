@@ -100,7 +100,7 @@ fn bench_measures_the_width_and_threads_asked_for() {
         assert_eq!(results.len(), 1, "{report}");
         assert_eq!(results[0]["lanes"].to_string(), lanes);
         assert_eq!(results[0]["threads"].to_string(), threads);
-        assert_eq!(results[0]["pipeline"], "needed");
+        assert_eq!(results[0]["pipeline"], "auto");
     }
 }
 

@@ -70,7 +70,7 @@ pub struct Measurement {
     pub needs: Vec<&'static str>,
     /// The traversal of the scene's primitives: `linear` where every one is tested.
     pub traversal: &'static str,
-    /// `needed` (the smallest that has the scene's features) or `general`.
+    /// `auto` (the smallest that has the scene's features) or `general`.
     pub pipeline: &'static str,
     /// Speed over that of the general pipeline at the same width and threads. Of the first engine only;
     /// `None` where the scene uses every feature.

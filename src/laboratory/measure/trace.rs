@@ -47,7 +47,7 @@ impl TraceMethod {
     /// The chosen method; `None` for the automatic choice.
     pub fn of(choice: TraversalChoice) -> Option<Self> {
         match choice {
-            TraversalChoice::Needed => None,
+            TraversalChoice::Auto => None,
             TraversalChoice::Linear => Some(Self::Linear),
             TraversalChoice::Through(traversal) => Some(Self::Tree(traversal)),
         }

@@ -114,9 +114,9 @@ struct Report {
     /// Frames presented, in all and per second.
     frames: u64,
     fps: f64,
-    /// Samples of whole pictures, in all, and per second of rendering alone, as `bench` counts fps.
-    samples: f64,
-    samples_per_s: f64,
+    /// Passes over the frame, in all, and per second of rendering alone, as `bench` counts fps.
+    passes: f64,
+    passes_per_s: f64,
     /// Shares of the engine's time in which samples were taken and frames painted.
     tracing_share: f64,
     painting_share: f64,
@@ -143,8 +143,8 @@ impl Report {
             front_end: if presented.is_some() { "window" } else { "terminal" },
             frames: summary.frames,
             fps: summary.frames as f64 / elapsed,
-            samples: summary.samples,
-            samples_per_s: summary.samples / summary.tracing.as_secs_f64().max(1e-9),
+            passes: summary.passes,
+            passes_per_s: summary.passes / summary.tracing.as_secs_f64().max(1e-9),
             tracing_share: summary.tracing.as_secs_f64() / elapsed,
             painting_share: summary.painting.as_secs_f64() / elapsed,
             painting_ms: summary.painting.as_secs_f64() * 1e3 / frames,
@@ -158,10 +158,10 @@ impl Report {
     fn line(&self) -> String {
         let presenting = self.presenting_ms.map(|ms| format!(", presenting {} ms", figure(ms, 2)));
         format!(
-            "{}, {} fps; {} samples/s; painting a frame {} ms{}\n",
+            "{}, {} fps; {} passes/s; painting a frame {} ms{}\n",
             counted(self.frames, "frame", "frames"),
             figure(self.fps, 0),
-            figure(self.samples_per_s, 0),
+            figure(self.passes_per_s, 0),
             figure(self.painting_ms, 2),
             presenting.unwrap_or_default()
         )

@@ -49,7 +49,7 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
             let share = 100.0 * rays / (column.rays as f64).max(1.0);
             format!("{} {share:>5.1} %", grouped(format!("{:.0}", rays / frames)))
         };
-        add(&format!("{} rays a sample", kind.kind), &share);
+        add(&format!("{} rays a pass", kind.kind), &share);
         for (what, of) in KINDS {
             let counted = |column: &FrameStats| of(&column.kinds[at].tests).tests > 0;
             if columns.iter().any(|column| counted(column)) {

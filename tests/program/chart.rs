@@ -86,7 +86,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     }
     let last = list(&lines[0]["points"]).last().unwrap();
     let [seconds, samples] = [&last["seconds"]["median"], &last["samples"]].map(number);
-    assert_eq!(number(&scene["default_sample_s"]), seconds / samples);
+    assert_eq!(number(&scene["default_pass_s"]), seconds / samples);
 }
 
 /// The texts of a drawing that cover others or leave it, by a width of a letter that common fonts do not

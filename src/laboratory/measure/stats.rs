@@ -20,7 +20,7 @@ pub struct FrameStats {
     pub rays: u64,
     /// Seconds of all stages, summed over the threads, with the cost of the clock and of counting.
     pub seconds: f64,
-    /// By [`Stage`], in the order in which a sample passes them.
+    /// By [`Stage`], in the order in which a path passes them.
     pub stages: Vec<StageStats>,
     /// Primary, bounce and shadow rays.
     pub kinds: Vec<KindStats>,

@@ -20,7 +20,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     let lines = list(&scene["pictures"]);
     let names: Vec<&str> = lines.iter().map(|line| line["configuration"].as_str().unwrap()).collect();
     assert_eq!(names[..2], ["default", "scalar"]);
-    assert!(names.contains(&"naive spheres") && !names.contains(&"lights off"), "{names:?}");
+    assert!(names.contains(&"naive spheres") && !names.contains(&"no next event estimation"), "{names:?}");
     let mut points = 0;
     for line in lines {
         assert!(line["pictures_unlike_default"].is_null() || line["pictures_unlike_default"] == 0, "{line}");

@@ -329,7 +329,7 @@ mod tests {
         }
         let (first, last) = (&default[0], &default[default.len() - 1]);
         assert!(last.rmse.median < 0.7 * first.rmse.median && last.flip.median < first.flip.median);
-        let off = named("lights off");
+        let off = named("no next event estimation");
         assert!(
             off.points[0].rmse.median > 1.5 * first.rmse.median,
             "without light sampling, emitters are hard to hit"

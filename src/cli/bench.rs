@@ -39,14 +39,14 @@ const MAX_FRAMES: u32 = 1_000_000;
 /// brackets the 1 % low (the rate that 99 % of the frames reach). Packets of 16 are measured where they are
 /// one vector of the machine. all cores, and Mray/s, millions of rays per second on one thread (or
 /// --threads): by the width of --lanes, or that of --lanes auto. 178k is 178,000; a dash stands for what was
-/// not measured. pixels≠: pixels in which any width differs from scalar in any bit. hits≠: primary hits that
-/// are wrong by the reference. Both should be 0; if not, the exit code is 1. rmse: root mean square error of
-/// a frame without next event estimation (--lights off) against the reference on the same random numbers.
+/// not measured. differing: pixels in which any width differs from scalar in any bit. wrong hits: primary
+/// hits that are wrong by the reference. Both should be 0; if not, the exit code is 1. rmse: root mean square
+/// error of a frame without next event estimation against the reference on the same random numbers.
 ///
 /// A second table, after the last scene, has ratios of that width: medians of alternating rounds, and in
-/// brackets from 10 to 90 % of them. speed-up: over scalar. scaling: all cores over one thread. over general:
-/// the pipeline compiled for the features of the scene over the one with every feature; a dash where these
-/// are the same.
+/// brackets from 10 to 90 % of them. speed-up: over scalar. scaling: all cores over one thread.
+/// specialisation: the pipeline compiled for the features of the scene over the one with every feature; a
+/// dash where these are the same.
 ///
 /// The last line is a summary to paste. Where the machine is busy, it and the speed-up say that they are not
 /// reliable.
@@ -60,7 +60,7 @@ pub struct Options {
     #[arg(long)]
     json: bool,
     /// After the measured frames, render some more that are not timed, and print time by stage, rays by kind,
-    /// lanes in use by bounce, and box and primitive tests per ray.
+    /// SIMD utilisation by bounce, and box and primitive tests per ray.
     #[arg(long)]
     stats: bool,
     /// Worker threads [default: one, and SIMD once more on all cores].

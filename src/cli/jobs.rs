@@ -91,7 +91,7 @@ pub struct RenderOptions {
     /// Print the report as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,
-    /// Print time by stage, rays by kind, lanes in use by bounce, and box and primitive tests per ray.
+    /// Print time by stage, rays by kind, SIMD utilisation by bounce, and box and primitive tests per ray.
     /// Counting takes some time; it does not change the picture.
     #[arg(long)]
     pub stats: bool,

@@ -67,8 +67,8 @@ const TABLES: [Table; 5] = [
         "kernels",
         &["kernels"],
         "family method default lanes ns ns_p10=ns_spread/0 ns_p90=ns_spread/1 \
-         failures failure_recipe=failure_case/recipe failure_place=failure_case/place \
-         p99 error_recipe=error_case/recipe error_place=error_case/place",
+         failures failure_test_case=failure_case/test_case failure_place=failure_case/place \
+         p99 error_test_case=error_case/test_case error_place=error_case/place",
     ),
 ];
 
@@ -149,7 +149,7 @@ mod tests {
             json!({ "scene": "three", "default_pass_s": 0.5, "pictures": pictures, "frames": [frames] });
         let kernel = json!({
             "family": "box", "method": "fma", "default": false, "lanes": 8, "ns": 0.5, "ns_spread": [0.25, 0.75],
-            "p99": null, "failures": 0.0625, "error_case": null, "failure_case": { "recipe": "lost", "place": 12.0 },
+            "p99": null, "failures": 0.0625, "error_case": null, "failure_case": { "test_case": "lost", "place": 12.0 },
         });
         let chart = json!({ "seeds": 8, "scenes": [scene], "kernels": [kernel] });
         let of_frames = "scene=three configuration=two, three threads=7 seeds=9 fps=10 fps_p10=9.5 fps_p90=10.25 \
@@ -168,7 +168,7 @@ mod tests {
         assert_eq!(
             named("kernels", &chart),
             ["family=box method=fma default=false lanes=8 ns=0.5 ns_p10=0.25 ns_p90=0.75 failures=0.0625 \
-              failure_recipe=lost failure_place=12 p99= error_recipe= error_place="]
+              failure_test_case=lost failure_place=12 p99= error_test_case= error_place="]
         );
     }
 }

@@ -16,7 +16,7 @@ use octray::measure::stability::spheres::Ball;
 /// How far rays travel before they leave, in sizes of what they leave.
 const TRAVELLED: [f64; 2] = [1e-2, 1e3];
 
-/// The recipes leave by the numbers that pictures are made with.
+/// The test cases leave by the numbers that pictures are made with.
 #[test]
 fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
     let mut rng = Rng(20);

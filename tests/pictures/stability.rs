@@ -1,4 +1,4 @@
-//! The law of stability: in every recipe of `octray stability` the default method keeps its bounds, and
+//! The law of stability: in every test case of `octray stability` the default method keeps its bounds, and
 //! others fail at least as much as is said of them. Each test throws a part of what the command throws; seeds
 //! are fixed. A share that is expected is lowered by five standard deviations of its count, or raised by as
 //! many and three.
@@ -6,30 +6,30 @@
 //! The figures are those that were measured before this program was written, without FMA. Where a build with
 //! FMA differs much, both are given.
 
-use octray::measure::stability::{Bound, Effort, Outcome, Point, recipe, recipes};
+use octray::measure::stability::{Bound, Effort, Outcome, Point, test_case, test_cases};
 
-/// Recipes in which no method is much worse than the default, or which show what its certainty costs.
+/// Test cases in which no method is much worse than the default, or which show what its certainty costs.
 const NOTHING_FAILS: [&str; 3] = ["spheres-inside", "triangles-far", "boxes-beside"];
 
 #[test]
-fn default_methods_keep_their_bounds_in_every_recipe_and_others_do_not() {
+fn default_methods_keep_their_bounds_in_every_test_case_and_others_do_not() {
     // Sums of 10⁸ numbers take seconds, however small the share; `stability_shading` holds the film to a
     // million.
-    check_recipes(Effort(0.01), &["sums-long"]);
+    check_test_cases(Effort(0.01), &["sums-long"]);
 }
 
 #[test]
 #[ignore = "minutes: run by .ci/run"]
-fn default_methods_keep_their_bounds_in_every_recipe_with_more_cases() {
-    check_recipes(Effort(0.05), &[]);
+fn default_methods_keep_their_bounds_in_every_test_case_with_more_cases() {
+    check_test_cases(Effort(0.05), &[]);
 }
 
-fn check_recipes(effort: Effort, without: &[&str]) {
-    for recipe in recipes().filter(|recipe| !without.contains(&recipe.name)) {
-        let outcome = recipe.run(effort, &|| {});
+fn check_test_cases(effort: Effort, without: &[&str]) {
+    for test_case in test_cases().filter(|test_case| !without.contains(&test_case.name)) {
+        let outcome = test_case.run(effort, &|| {});
         let faults: Vec<&Point> = outcome.faults().collect();
-        assert!(faults.is_empty(), "{}: {faults:?}", recipe.name);
-        assert_eq!(others_fail(&outcome), !NOTHING_FAILS.contains(&recipe.name), "{}", recipe.name);
+        assert!(faults.is_empty(), "{}: {faults:?}", test_case.name);
+        assert_eq!(others_fail(&outcome), !NOTHING_FAILS.contains(&test_case.name), "{}", test_case.name);
     }
 }
 
@@ -42,11 +42,11 @@ fn others_fail(outcome: &Outcome) -> bool {
     })
 }
 
-/// One method at one place of a recipe's axis.
+/// One method at one place of a test case's axis.
 pub fn at(name: &str, method: &str, x: f64, effort: Effort) -> Point {
-    let recipe = recipe(name).unwrap_or_else(|| panic!("a recipe {name}"));
-    let of = recipe.method(method).unwrap_or_else(|| panic!("a method {method} of {name}"));
-    let point = recipe.at(of, x, effort);
+    let test_case = test_case(name).unwrap_or_else(|| panic!("a test case {name}"));
+    let of = test_case.method(method).unwrap_or_else(|| panic!("a method {method} of {name}"));
+    let point = test_case.at(of, x, effort);
     println!("{name}, {method} at {x:e}: {:.4} %, p99 {:?}", 100.0 * point.rate(), point.p99);
     point
 }
@@ -59,7 +59,7 @@ fn at_least(name: &str, method: &str, x: f64, percent: f64, p99: f64) {
     let told = format!("{name}, {method} at {x:e}: {point:?}; expected {percent} % and {p99:e}");
     assert!(point.failures as f64 >= expected - 5.0 * expected.sqrt(), "{told}");
     assert!(point.p99.unwrap_or(0.0) >= p99, "{told}");
-    assert!(percent == 0.0 || point.failures > 0, "{name}, {method} at {x:e}: too few cases to tell");
+    assert!(percent == 0.0 || point.failures > 0, "{name}, {method} at {x:e}: too few inputs to tell");
 }
 
 /// Fails for so many per cent at most, and is off by no more.

@@ -1,5 +1,6 @@
 //! The figures of shading, lamps, sums, cameras and scenes: the naive methods fail as much as is said of
-//! them, the default ones as little. (That the default ones keep their bounds in every recipe: `stability`.)
+//! them, the default ones as little. (That the default ones keep their bounds in every test case:
+//! `stability`.)
 //!
 //! Each test throws a part of what `octray stability` throws; seeds are fixed. Shares that are a matter of
 //! chance are held to a quarter of what was measured, so that another target's roundings do not decide.
@@ -7,12 +8,12 @@
 use crate::stability;
 use octray::measure::stability::{Effort, Point};
 
-/// One method at one place of a recipe's axis, with a tenth of the cases.
+/// One method at one place of a test case's axis, with a tenth of the inputs.
 fn at(name: &str, method: &str, x: f64) -> Point {
     stability::at(name, method, x, Effort(0.1))
 }
 
-/// The naive method fails in at least this share of cases, the default one never.
+/// The naive method fails in at least this share of inputs, the default one never.
 #[track_caller]
 fn fails_and_holds(name: &str, x: f64, [naive, default]: [&str; 2], least: f64) {
     let [naive, default] = [naive, default].map(|method| at(name, method, x));

@@ -33,7 +33,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
         }
     }
     for kernel in list(&report["kernels"]) {
-        assert!(number(&kernel["ns"]) > 0.0 && kernel["failure_case"]["recipe"].is_string(), "{kernel}");
+        assert!(number(&kernel["ns"]) > 0.0 && kernel["failure_case"]["test_case"].is_string(), "{kernel}");
     }
 
     let read = |name: &str| desk.text(&format!("new/charts/{name}"));

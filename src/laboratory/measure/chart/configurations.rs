@@ -79,7 +79,10 @@ pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
             ),
             ("adaptive", "more samples where the estimated error is larger: --target-error"),
             ("no next event estimation", "paths meet lights by scattering alone: --lights off"),
-            ("every light sampled", "next event estimation of every emitter that can be sampled: --lights on"),
+            (
+                "every light sampled",
+                "next event estimation of every emitter that can be sampled: --lights on",
+            ),
             ("lights by power", "emitters chosen by power alone, each triangle by itself: --lights power"),
             (
                 "trilinear",
@@ -202,7 +205,11 @@ mod tests {
             (load("builtin:three"), &["naive spheres", "hierarchy"], &["Möller–Trumbore", "streams"]),
             (load("builtin:three"), &["scalar"], &no_emitters),
             // Auto samples all emitters.
-            (load("builtin:cornell"), &["no next event estimation", "Möller–Trumbore"], &["naive spheres", "every light sampled"]),
+            (
+                load("builtin:cornell"),
+                &["no next event estimation", "Möller–Trumbore"],
+                &["naive spheres", "every light sampled"],
+            ),
             (load("builtin:terrain:2000"), &["streams"], &["every primitive tested"]),
             (smooth, &["trilinear"], &[]),
         ];

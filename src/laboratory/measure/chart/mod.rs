@@ -56,7 +56,8 @@ const DISPLAY_SHARE: f64 = 0.72;
 /// second.
 const MOST_GROUND_TRUTH_SAMPLES: u32 = 16_384;
 /// The configurations that `frames` compares: of those with equal bits, only the scalar one.
-const IN_FRAMES: [&str; 5] = [configurations::DEFAULT, "scalar", "random numbers", "no next event estimation", "every light sampled"];
+const IN_FRAMES: [&str; 5] =
+    [configurations::DEFAULT, "scalar", "random numbers", "no next event estimation", "every light sampled"];
 
 /// Size and time of one scene's chart.
 #[derive(Clone, Copy, Debug)]

@@ -5,8 +5,8 @@
 
 use super::methods::Method;
 use super::rays::{ray, towards};
-use super::recipe::{FailureCounts, Recipe, trials};
 use super::rng::Rng;
+use super::test_case::{FailureCounts, TestCase, trials};
 use super::triangles;
 use crate::kernel::ray_triangle::Woop;
 use crate::kernel::surface::{triangle_normal, triangle_offset};
@@ -16,14 +16,14 @@ use glam::Vec3;
 
 const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
 
-/// What the recipes of rays that leave a surface have in common.
-pub(super) fn common() -> Recipe {
-    Recipe { failure: "the ray hits the surface that it leaves", source: WAECHTER, ..Recipe::COMMON }
+/// What the test cases of rays that leave a surface have in common.
+pub(super) fn common() -> TestCase {
+    TestCase { failure: "the ray hits the surface that it leaves", source: WAECHTER, ..TestCase::COMMON }
 }
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
-        Recipe {
+        TestCase {
             name: "leaving-place",
             title: "Leaving triangles with edges of 1",
             axis: "distance of the triangle from the origin",
@@ -34,7 +34,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "leaving-size",
             title: "Leaving triangles at a distance of 1 from the origin",
             axis: "edge of the triangle",
@@ -45,7 +45,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "leaving-travelled",
             title: "Leaving triangles with edges of 1, at a distance of 1 from the origin, after a long ray",
             axis: "length of the arriving ray",
@@ -53,7 +53,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             methods: trials(after_distance, &SPAWN_METHODS),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "leaving-slivers",
             title: "Leaving slivers with edges of 1",
             axis: "usual height / height",
@@ -125,7 +125,7 @@ pub(crate) fn leaving(rng: &mut Rng, n: Vec3) -> Vec3 {
     }
 }
 
-/// Length of arriving rays, in sizes, where it is not the axis of a recipe.
+/// Length of arriving rays, in sizes, where it is not the axis of a test case.
 pub(super) const ARRIVING: [f64; 2] = [0.5, 5.0];
 
 /// Counts rays that leave a triangle and hit it again: eight rays of lengths `near` to `far` arrive, and

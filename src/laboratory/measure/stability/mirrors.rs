@@ -1,17 +1,17 @@
 //! Thousands of reflections: drift of length and direction, rays that leak out of a closed room.
 
 use super::rays::{ray, to_f64};
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::scenes::{empty, put_box};
+use super::test_case::{Bound, EPSILON, FailureCounts, TestCase, compare};
 use crate::integrate::RENORMALIZATION_INTERVAL;
 use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod, Woop, WoopTriangle};
 use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math::{Ray, Vec3};
 use glam::DVec3;
 
-pub(super) fn recipes() -> Vec<Recipe> {
-    vec![Recipe {
+pub(super) fn test_cases() -> Vec<TestCase> {
+    vec![TestCase {
         name: "mirrors-room",
         title: "Paths between the mirrors of a closed room",
         axis: "reflections",
@@ -19,7 +19,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
         failure: "the ray leaks out of the room, or the length of its direction differs from 1 by more than 1e-5",
         error: Some("|Δ direction| in radians, up to signs along the room's axes"),
         source: "kernel::ray_sphere, which requires unit length within 1e-5",
-        cases: 48,
+        inputs: 48,
         methods: compare(
             room,
             &[

@@ -6,17 +6,17 @@
 
 use super::leaving::{ARRIVING, SPAWN_METHODS, SpawnMethod, common, leaving};
 use super::rays::{ray, to_f64, towards};
-use super::recipe::{Bound, FailureCounts, Recipe, trials};
 use super::rng::Rng;
 use super::spheres::{Ball, intersect};
+use super::test_case::{Bound, FailureCounts, TestCase, trials};
 use crate::kernel::ray_sphere::Robust;
 use crate::kernel::surface::{sphere_offset, sphere_surface};
 use crate::math::{self, Ray};
 use glam::Vec3;
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
-        Recipe {
+        TestCase {
             name: "leaving-spheres",
             title: "Leaving spheres of radius 1 outwards",
             axis: "distance of the centre from the origin",
@@ -27,7 +27,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "leaving-inwards",
             title: "Leaving spheres of radius 1 inwards",
             axis: "distance of the centre from the origin",
@@ -39,13 +39,13 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "leaving-shells",
             title: "Leaving one of two concentric shells of radius 1, some distance from the origin, towards the other",
             axis: "gap between the shells",
             places: &[1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2],
             failure: "the ray misses the other shell, or hits its own",
-            cases: 50_000,
+            inputs: 50_000,
             methods: trials(between_shells, &SPAWN_METHODS),
             // 1e-5 is two offsets of shells at this distance from the origin.
             bound: |gap| if gap > 1e-5 { Bound::NO_FAILURE } else { Bound::NONE },

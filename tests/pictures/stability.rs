@@ -247,43 +247,41 @@ const INEXACT: &str = "o + t d, error bound";
 /// edge: 33 % instead of 50 and 46.
 #[test]
 fn triangles_are_hit_again_without_an_error_bound() {
-    for (name, x, naive, least_t) in [
-        ("leaving-place", 1.0, 49.0, 0.001),
-        ("leaving-place", 1e5, 30.0, 30.0),
-        ("leaving-size", 1e3, 49.0, 28.0),
-    ] {
+    for (name, x, naive, least_t) in
+        [("spawn-place", 1.0, 49.0, 0.001), ("spawn-place", 1e5, 30.0, 30.0), ("spawn-size", 1e3, 49.0, 28.0)]
+    {
         at_least(name, NAIVE, x, naive, 0.0);
         at_least(name, LEAST_T, x, least_t, 0.0);
         at_most(name, PIPELINE, x, 0.0, ANY);
     }
-    at_least("leaving-slivers", NAIVE, 1e4, 20.0, 0.0);
-    at_most("leaving-slivers", PIPELINE, 1e4, 0.0, ANY);
+    at_least("spawn-slivers", NAIVE, 1e4, 20.0, 0.0);
+    at_most("spawn-slivers", PIPELINE, 1e4, 0.0, ANY);
     // A constant that does for a room does not for a landscape.
-    at_most("leaving-place", CONSTANT, 1.0, 0.0, ANY);
-    at_least("leaving-place", CONSTANT, 1e5, 30.0, 0.0);
+    at_most("spawn-place", CONSTANT, 1.0, 0.0, ANY);
+    at_least("spawn-place", CONSTANT, 1e5, 30.0, 0.0);
 }
 
 /// The figures, 0.0013 and 0.046 %, are those of some way; it is the way travelled that counts.
 #[test]
 fn a_point_along_the_ray_is_the_further_off_the_further_it_came() {
-    at_most("leaving-travelled", INEXACT, 1.0, 0.0013, ANY);
-    at_least("leaving-travelled", INEXACT, 10.0, 0.02, 0.0);
-    at_least("leaving-travelled", INEXACT, 1e3, 30.0, 0.0);
-    at_most("leaving-travelled", PIPELINE, 1e3, 0.0, ANY);
+    at_most("spawn-travelled", INEXACT, 1.0, 0.0013, ANY);
+    at_least("spawn-travelled", INEXACT, 10.0, 0.02, 0.0);
+    at_least("spawn-travelled", INEXACT, 1e3, 30.0, 0.0);
+    at_most("spawn-travelled", PIPELINE, 1e3, 0.0, ANY);
 }
 
 #[test]
 fn spheres_are_hit_again_without_an_error_bound_and_shells_lost_with_a_constant() {
-    for name in ["leaving-spheres", "leaving-inwards"] {
+    for name in ["spawn-spheres", "spawn-inwards"] {
         at_least(name, NAIVE, 1.0, 30.0, 0.0);
         at_least(name, CONSTANT, 1e4, 30.0, 0.0);
         for place in [0.0, 1.0, 1e4] {
             at_most(name, PIPELINE, place, 0.0, ANY);
         }
     }
-    at_least("leaving-shells", CONSTANT, 3e-5, 99.0, 0.0);
-    at_least("leaving-shells", LEAST_T, 3e-5, 70.0, 0.0);
-    at_most("leaving-shells", PIPELINE, 3e-5, 0.0, ANY);
+    at_least("spawn-shells", CONSTANT, 3e-5, 99.0, 0.0);
+    at_least("spawn-shells", LEAST_T, 3e-5, 70.0, 0.0);
+    at_most("spawn-shells", PIPELINE, 3e-5, 0.0, ANY);
     // Half an offset: the test can see the fault of ours too.
-    at_least("leaving-shells", PIPELINE, 1e-6, 90.0, 0.0);
+    at_least("spawn-shells", PIPELINE, 1e-6, 90.0, 0.0);
 }

@@ -31,7 +31,7 @@ pub struct Buffers {
     pub needs: Features,
     /// The number of spheres: of primitives, they come first.
     pub spheres: u32,
-    /// One row of eight a sphere: centre, one over the radius, offset of leaving rays, material (bits),
+    /// One row of eight a sphere: centre, one over the radius, offset of spawned rays, material (bits),
     /// texture turn (see `texture_turn`), probability of being chosen as a light.
     pub sphere_rows: Rows,
     /// Two rows of eight a triangle: a, ab, offset, material (bits); ac, unit normal, probability of being

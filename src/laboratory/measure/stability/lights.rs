@@ -21,7 +21,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
     };
     vec![
         TestCase {
-            name: "lamps-spheres",
+            name: "lights-spheres",
             title: "Sampling spherical lights, from far away to close by",
             axis: "radius / distance of the centre",
             places: &[1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
@@ -34,7 +34,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             bound: |ratio| Bound::error(8.0 * EPSILON / (1.0 - ratio * ratio).sqrt()),
         },
         TestCase {
-            name: "lamps-around",
+            name: "lights-around",
             title: "Lit points inside spherical lights",
             axis: "distance from the centre / radius",
             places: &[0.0, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
@@ -48,7 +48,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             ..TestCase::COMMON
         },
         TestCase {
-            name: "lamps-triangle",
+            name: "lights-triangle",
             title: "Sampling triangular lights that are small or far away",
             axis: "edge / distance",
             methods: compare::<SampleFlat>(
@@ -60,7 +60,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             ..flat_lights()
         },
         TestCase {
-            name: "lamps-quad",
+            name: "lights-quad",
             title: "Sampling parallelograms that emit and are small or far away",
             axis: "edge / distance",
             methods: compare::<SampleFlat>(
@@ -72,7 +72,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             ..flat_lights()
         },
         TestCase {
-            name: "lamps-edge-on",
+            name: "lights-edge-on",
             title: "Sampling triangular lights seen nearly edge-on, about half as large as their distance",
             axis: "distance from the triangle's plane / distance",
             places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],

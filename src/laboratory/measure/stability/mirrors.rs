@@ -34,7 +34,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
     }]
 }
 
-/// A wall, with its offset for leaving rays.
+/// A wall, with its offset for spawned rays.
 struct Wall {
     stored: WoopTriangle,
     vertices: [Vec3<f32>; 3],

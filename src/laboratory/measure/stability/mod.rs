@@ -13,7 +13,7 @@
 //! | [`meshes`] | edges and vertices of closed meshes |
 //! | [`triangles`] | slivers, sizes, distances, grazing rays |
 //! | [`boxes`] | corners, planes of faces, boxes far from the origin |
-//! | [`leaving`] | self-intersection of rays that leave triangles |
+//! | [`spawn`] | self-intersection of rays spawned on triangles |
 //! | [`shells`] | self-intersection on spheres; surfaces close to the one that is left |
 //! | `textures` | poles and seam of a sphere, large texture coordinates |
 //! | `scattering` | directions that cancel, shading normals |
@@ -28,7 +28,6 @@
 
 pub mod boxes;
 mod cameras;
-pub mod leaving;
 mod lights;
 pub mod meshes;
 pub mod methods;
@@ -39,6 +38,7 @@ mod rng;
 mod scattering;
 mod scenes;
 pub mod shells;
+pub mod spawn;
 pub mod spheres;
 mod test_case;
 mod textures;
@@ -55,7 +55,7 @@ static TEST_CASES: LazyLock<Vec<TestCase>> = LazyLock::new(|| {
         meshes::test_cases(),
         triangles::test_cases(),
         boxes::test_cases(),
-        leaving::test_cases(),
+        spawn::test_cases(),
         shells::test_cases(),
         textures::test_cases(),
         scattering::test_cases(),

@@ -10,7 +10,7 @@ use crate::sampling::random::unit_interval;
 pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
         TestCase {
-            name: "numbers-top",
+            name: "uniform-largest",
             title: "Numbers below 1 from 32 random bits: the largest ones",
             axis: "largest difference of 2³² and the bits",
             places: &[1.0, 16.0, 64.0, 128.0, 256.0, 1024.0, 1e5, 1e7, 4_294_967_296.0],
@@ -55,7 +55,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             bound: |magnitude| if magnitude < 1e35 { Bound::error(2.0 * EPSILON) } else { Bound::NONE },
         },
         TestCase {
-            name: "sums-poisoned",
+            name: "sums-nan",
             title: "Means of 1,000 numbers, some of which are NaN or infinite",
             axis: "share of NaN and infinities",
             places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5],

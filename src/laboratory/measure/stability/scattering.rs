@@ -29,7 +29,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             ..TestCase::COMMON
         },
         TestCase {
-            name: "scattering-matt",
+            name: "scattering-diffuse",
             title: "Diffuse surfaces with shading normals: rays below the surface, and lost light",
             axis: "angle of shading and geometric normal in degrees",
             places: &[1.0, 3.0, 10.0, 20.0, 40.0, 60.0, 80.0],

@@ -248,7 +248,7 @@ fn type_of(kind: MaterialKind) -> &'static str {
         MaterialKind::Diffuse => "diffuse",
         MaterialKind::Metal { .. } => "metal",
         MaterialKind::Glass { .. } => "glass",
-        MaterialKind::Scatter { .. } => "scatter",
+        MaterialKind::FuzzyMirror { .. } => "scatter",
         MaterialKind::Plastic { .. } => "plastic",
         MaterialKind::MetalRough { .. } => "metal-rough",
         MaterialKind::Emitter => "emitter",

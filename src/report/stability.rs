@@ -89,7 +89,7 @@ pub fn verdict(report: &Report) -> String {
     match failed[..] {
         [] => format!(
             "The default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
-            counted(report.test_cases.len(), "test_case", "test_cases")
+            counted(report.test_cases.len(), "test case", "test cases")
         ),
         _ => format!("THE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),
     }

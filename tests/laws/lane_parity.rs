@@ -295,7 +295,7 @@ same_at_every_width! {
         for drawn in [
             bsdf::diffuse::sample(n, u, v),
             bsdf::mirror::sample(d, n),
-            bsdf::scatter::sample(d, n, alpha, u, v),
+            bsdf::fuzzy_mirror::sample(d, n, alpha, u, v),
             bsdf::ggx::sample(d, n, alpha, u, v),
             bsdf::glass::sample(d, n, o.mask, ior, u),
         ] {
@@ -305,7 +305,7 @@ same_at_every_width! {
         let towards = Vec3::new(o.z, o.x, -o.y).normalize();
         for lobe in [
             bsdf::diffuse::evaluate(n, towards),
-            bsdf::scatter::evaluate(d, n, alpha, towards),
+            bsdf::fuzzy_mirror::evaluate(d, n, alpha, towards),
             bsdf::ggx::evaluate(d, n, alpha, towards),
         ] {
             values.extend([Float(lobe.value), Float(lobe.pdf)]);

@@ -45,7 +45,7 @@ fn kind(rng: &mut Rng) -> MaterialKind {
             MetalRough { roughness, metallic, ior }
         }
         5 => Glass { ior: of(rng, &[ior, 1.0 / ior, 1.0, 1e-3, 1e3]) },
-        6 => Scatter { roughness: rng.scale(1e-3, 1e3) as f32 },
+        6 => FuzzyMirror { roughness: rng.scale(1e-3, 1e3) as f32 },
         _ => Emitter,
     }
 }

@@ -92,7 +92,7 @@ fn materials_show_in_guides() {
         (Metal { roughness: 0.5 }, 0.25),
         (Metal { roughness: 0.0 }, 0.0),
         (Glass { ior: 1.5 }, 0.0),
-        (Scatter { roughness: 3.0 }, 1.0),
+        (FuzzyMirror { roughness: 3.0 }, 1.0),
     ] {
         let mut scene = load("builtin:three").unwrap();
         scene.materials.iter_mut().for_each(|material| material.kind = kind);

@@ -95,7 +95,7 @@ impl MaterialCode {
     /// A smooth dielectric.
     pub const GLASS: u32 = 4;
     /// The thesis's lobe.
-    pub const SCATTER: u32 = 5;
+    pub const FUZZY_MIRROR: u32 = 5;
     /// A coat over a diffuse base.
     pub const PLASTIC: u32 = 6;
     /// glTF's metallic-roughness.
@@ -106,7 +106,7 @@ impl MaterialCode {
     pub const KIND: u32 = 0xff;
 
     /// The code of a material, and its parameter: alpha of GGX, plastic's coat and metal-rough, index of
-    /// refraction of glass, roughness of scatter.
+    /// refraction of glass, roughness of the fuzzy mirror.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -114,7 +114,7 @@ impl MaterialCode {
             MaterialKind::Metal { roughness: 0.0 } => (Self::MIRROR, 0.0),
             MaterialKind::Metal { roughness } => (Self::GGX, roughness * roughness),
             MaterialKind::Glass { ior } => (Self::GLASS, ior),
-            MaterialKind::Scatter { roughness } => (Self::SCATTER, roughness),
+            MaterialKind::FuzzyMirror { roughness } => (Self::FUZZY_MIRROR, roughness),
             MaterialKind::Plastic { roughness, .. } => (Self::PLASTIC, roughness * roughness),
             MaterialKind::MetalRough { roughness, .. } => (Self::METAL_ROUGH, roughness * roughness),
         };

@@ -45,7 +45,7 @@ pub enum Plane {
     /// The barycentric weight of the third vertex.
     WeightV,
     /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal and of the metallic share
-    /// of metal-rough, roughness of `scatter`; 0 of mirrors and glass; 1 of every other surface and share,
+    /// of metal-rough, roughness of the fuzzy mirror; 0 of mirrors and glass; 1 of every other surface and share,
     /// and where there is none.
     Lobe,
     /// Of emissive surfaces and of the environment, radiance over albedo; 0 of every other surface.
@@ -193,7 +193,7 @@ impl Seen {
             let away = zero.lt(material.ns.dot(direction));
             let facing = Vec3::select(away, -material.ns, material.ns);
             let spread = material.roughness_or_ior.min(one);
-            let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::SCATTER), spread, one);
+            let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::FUZZY_MIRROR), spread, one);
             let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
             // The dielectric's base is diffuse.
             let metallic = material.transmitted;

@@ -43,7 +43,7 @@ pub fn material(
         },
         "glass" => MaterialKind::Glass { ior: ior()? },
         "scatter" => {
-            MaterialKind::Scatter { roughness: place.key("roughness").not_negative(stated_roughness)? }
+            MaterialKind::FuzzyMirror { roughness: place.key("roughness").not_negative(stated_roughness)? }
         }
         _ => MaterialKind::Emitter,
     };

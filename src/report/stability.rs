@@ -129,8 +129,8 @@ fn errors(outcome: &Outcome, error: &str) -> Figure {
             curve.points.iter().filter_map(move |point| Some((point.x, y(point)?)))
         };
         let points = with(|point| point.p99).map(|(x, p99)| [x, p99]).collect();
-        let spread = with(|point| point.p50).zip(with(|point| point.max));
-        let band = spread.map(|((x, p50), (_, max))| [x, p50, max]);
+        let ends = with(|point| point.p50).zip(with(|point| point.max));
+        let band = ends.map(|((x, p50), (_, max))| [x, p50, max]);
         (points, if curve.default { band.collect() } else { Vec::new() })
     };
     figure(outcome, notes, error, of)

@@ -332,12 +332,12 @@ same_at_every_width! {
         values
     };
     ray_cones_are_the_same_at_every_width: |o| {
-        let cone = ray_cone::Cone { width: o.x, spread: o.y };
+        let cone = ray_cone::Cone { width: o.x, angle: o.y };
         let n = Vec3::new(o.z, o.x, o.y).normalize();
         [
             Float(ray_cone::level_of_detail(o.x, o.y, L::from_int(o.k))),
             Float(ray_cone::footprint(cone.width_at(o.z), o.y, o.x)), Float(ray_cone::sphere_density(n, o.z)),
-            Float(cone.scattered(o.z, o.y, o.x, random::uniform::<L>(o.i, 0)).spread),
+            Float(cone.scattered(o.z, o.y, o.x, random::uniform::<L>(o.i, 0)).angle),
         ]
     };
     light_samples_are_the_same_at_every_width: |o| {

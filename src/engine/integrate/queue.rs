@@ -73,7 +73,7 @@ pub struct PathQueue {
     v: Column,
     /// [`Cone`]s. Only where textures have levels of detail.
     cone_width: Column,
-    cone_spread: Column,
+    cone_angle: Column,
     /// What is added to the index of a primary ray for its slot, modulo 2³².
     to_slot: u32,
 }
@@ -147,7 +147,7 @@ impl PathQueue {
     #[inline(always)]
     pub fn path<L: Lane>(&self, at: usize, QueueColumns { lights, cones }: QueueColumns) -> Path<L> {
         let cone = match cones {
-            true => Cone { width: L::load(&self.cone_width[at..]), spread: L::load(&self.cone_spread[at..]) },
+            true => Cone { width: L::load(&self.cone_width[at..]), angle: L::load(&self.cone_angle[at..]) },
             false => Cone::none(),
         };
         Path {
@@ -192,7 +192,7 @@ impl PathQueue {
         }
         if cones {
             path.cone.width.store(&mut self.cone_width[at..]);
-            path.cone.spread.store(&mut self.cone_spread[at..]);
+            path.cone.angle.store(&mut self.cone_angle[at..]);
         }
         path.key.store(&mut self.key[at..]);
         path.slot.store(&mut self.slot[at..]);
@@ -236,7 +236,7 @@ impl<L: Lane> Path<L> {
     #[inline(always)]
     pub fn compress(&self, mask: L::Mask, QueueColumns { cones, .. }: QueueColumns) -> Self {
         let cone = match cones {
-            true => Cone { width: self.cone.width.compress(mask), spread: self.cone.spread.compress(mask) },
+            true => Cone { width: self.cone.width.compress(mask), angle: self.cone.angle.compress(mask) },
             false => Cone::none(),
         };
         Path {

@@ -98,8 +98,8 @@ impl Bound {
     /// Whether this number of failures is within the bound.
     pub(crate) fn allows(&self, failures: usize, tested: usize) -> bool {
         let expected = self.failures * tested as f64;
-        let spread = if expected > 0.0 { 5.0 * expected.sqrt() + 3.0 } else { 0.0 };
-        failures as f64 <= expected + spread
+        let tolerance = if expected > 0.0 { 5.0 * expected.sqrt() + 3.0 } else { 0.0 };
+        failures as f64 <= expected + tolerance
     }
 }
 

@@ -9,7 +9,7 @@ use super::terminal::{self, Printer};
 use crate::bvh::check::check_scene;
 use crate::machine;
 use crate::measure::rays;
-use crate::measure::trace::{PreparedScene, TraceMethod, TracePool};
+use crate::measure::trace::{AccelerationStructures, TraceMethod, TracePool};
 use crate::output;
 use crate::report::rays::{Report, heading, meaning, rows, warning};
 use crate::report::settings::RunSettings;
@@ -149,10 +149,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let defaults = RunSettings { lanes, ..Options::parse_from(["rays", ""]).run_settings() };
     out.text(&heading(&report, &defaults))?;
 
-    let prepared_scene = PreparedScene::new(&scene, hierarchy);
+    let structures = AccelerationStructures::new(&scene, hierarchy);
     let pools: Vec<TracePool> = threads.into_iter().map(TracePool::new).collect();
     let largest = pools.iter().max_by_key(|pool| pool.threads()).expect("there is a pool");
-    let sets = rays::prepare(&scene, &camera, &prepared_scene, largest, options.size, options.seed);
+    let sets = rays::prepare(&scene, &camera, &structures, largest, options.size, options.seed);
     if let Some(folder) = &options.dump {
         if !scene.spheres.is_empty() {
             terminal::warn("the dump holds no spheres: other programs cannot find the hits on them");
@@ -168,11 +168,11 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
                 prepared.set.kind.name()
             ));
         }
-        let results = rays::measure(&prepared_scene, prepared, &ways, &pools, options.passes);
+        let results = rays::measure(&structures, prepared, &ways, &pools, options.passes);
         out.text(&rows(&results))?;
         report.results.extend(results);
         if let Some(stats) = &mut report.stats {
-            stats.extend(rays::count(&prepared_scene, prepared, &ways));
+            stats.extend(rays::count(&structures, prepared, &ways));
         }
     }
     out.text(&meaning(&report))?;

@@ -3,7 +3,7 @@
 
 use super::compact::{Layout, TriangleLeaves};
 use super::leaf::{TriangleLeaf, inclusive, intersect_one, keep_if_nearer};
-use super::prepared::SingleRay;
+use super::precalculated::SingleRay;
 use crate::bvh::{Bounds, Bvh, Child, LEAF, Leaf, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::kernel::ray_sphere::{Robust, SphereMethod};
@@ -148,11 +148,11 @@ impl Hierarchy {
     pub fn intersect_spheres_packet<L: Lane>(&self, leaf: usize, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
         let mut closer = false;
         let leaf = &self.spheres[leaf];
-        let prepared = Robust::prepare(ray);
+        let precalculated = Robust::precalculate(ray);
         for (lane, &primitive) in leaf.primitives.primitives().iter().enumerate() {
             let (center, radius2) = leaf.sphere::<L>(lane);
             let infinite = L::splat(f32::INFINITY);
-            let (mask, t) = Robust::test::<L>(&prepared, center, radius2, infinite);
+            let (mask, t) = Robust::test::<L>(&precalculated, center, radius2, infinite);
             closer |= keep_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
         }
         closer
@@ -188,7 +188,7 @@ impl SphereLeaf {
         let center = Vec3::new(Native::load(x), Native::load(y), Native::load(z));
         let radius2 = Native::load(&self.radius2);
         let limit = Native::splat(inclusive(hit.t));
-        let (mask, t) = Robust::test(&Robust::prepare(&ray), center, radius2, limit);
+        let (mask, t) = Robust::test(&Robust::precalculate(&ray), center, radius2, limit);
         for lane in mask.lanes() {
             keep_if_nearer(true, self.primitives.primitives[lane], [t.get(lane), 0.0, 0.0], hit);
         }

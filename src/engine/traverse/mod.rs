@@ -13,7 +13,7 @@
 //! | `tree` | the choice between those of the hierarchy |
 //!
 //! [`Primitives`] asks them. They share [`hierarchy`] (nodes and leaves),
-//! `leaf` (how rays intersect triangles), `compact` (the leaves of large hierarchies), `prepared` (rays ready
+//! `leaf` (how rays intersect triangles), `compact` (the leaves of large hierarchies), `precalculated` (rays ready
 //! for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts
 //! the tests.
 //!
@@ -28,7 +28,7 @@ mod leaf;
 mod list;
 mod methods;
 mod occluders;
-mod prepared;
+mod precalculated;
 mod primitive_list;
 mod primitives;
 pub mod rays;
@@ -44,7 +44,7 @@ pub use list::List;
 pub use methods::{MAX_LIST_COST, TRIANGLE_COST, features_of, list_cost};
 pub use methods::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 pub use occluders::Occluders;
-pub use prepared::{Packet, SingleRay};
+pub use precalculated::{Packet, SingleRay};
 pub use primitive_list::PrimitiveList;
 pub use primitives::Primitives;
 pub use tree::{Tracer, Traversal};

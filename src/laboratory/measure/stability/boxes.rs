@@ -178,8 +178,8 @@ type Entry = fn(&Cuboid, &Ray<f32>) -> Option<f32>;
 
 /// The t at which the ray enters the box by method `B`; `None` for a miss.
 fn entry<B: BoxMethod>(cuboid: &Cuboid, ray: &Ray<f32>) -> Option<f32> {
-    let prepared = B::prepare(ray, Padding::new(cuboid.extent()));
-    let (near, far) = B::pass(&prepared, math::Vec3::splat(cuboid.lo), math::Vec3::splat(cuboid.hi));
+    let precalculated = B::precalculate(ray, Padding::new(cuboid.extent()));
+    let (near, far) = B::pass(&precalculated, math::Vec3::splat(cuboid.lo), math::Vec3::splat(cuboid.hi));
     (near <= far && far >= 0.0).then_some(near)
 }
 

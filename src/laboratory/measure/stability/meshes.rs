@@ -146,10 +146,10 @@ fn leaks<T: TriangleMethod>(
     // Those of up to eight rays that hit none of these triangles.
     let missing = |rays: &[Ray<f32>], triangles: &mut dyn Iterator<Item = usize>| -> Vec<Ray<f32>> {
         let eight: [Ray<f32>; 8] = std::array::from_fn(|lane| rays[lane % rays.len()]);
-        let prepared = T::prepare(&Ray::<F32x8>::from_lanes(&eight));
+        let precalculated = T::precalculate(&Ray::<F32x8>::from_lanes(&eight));
         let mut hit = <F32x8 as Lane>::Mask::splat(false);
         for number in triangles {
-            hit = hit | T::test(&prepared, &stored[number], F32x8::splat(f32::INFINITY)).mask;
+            hit = hit | T::test(&precalculated, &stored[number], F32x8::splat(f32::INFINITY)).mask;
             if hit.all() {
                 break;
             }

@@ -85,11 +85,11 @@ fn room(rng: &mut Rng, reflections: f64, counts: &mut FailureCounts, (start, men
 /// The ray after these reflections; `None` if it leaks out of the room.
 fn follow(mut ray: Ray<f32>, walls: &[Wall], reflections: u32, start: Start, mend: u32) -> Option<Ray<f32>> {
     for number in 1..=reflections {
-        let prepared = Woop::prepare(&ray);
+        let precalculated = Woop::precalculate(&ray);
         let mut nearest: Option<(TriangleHit<f32>, &Wall)> = None;
         for wall in walls {
             let limit = nearest.as_ref().map_or(f32::INFINITY, |(hit, _)| hit.t);
-            let hit = Woop::test(&prepared, &wall.stored, limit);
+            let hit = Woop::test(&precalculated, &wall.stored, limit);
             if hit.mask {
                 nearest = Some((hit, wall));
             }

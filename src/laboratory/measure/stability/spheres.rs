@@ -107,7 +107,7 @@ pub(crate) type Intersect = fn(Ball, &Ray<f32>, f32) -> Option<f32>;
 /// The nearest t in (0, `limit`) by method `S`.
 pub fn intersect<S: SphereMethod>(ball: Ball, ray: &Ray<f32>, limit: f32) -> Option<f32> {
     let center = math::Vec3::splat(ball.center);
-    let (hit, t) = S::test(&S::prepare(ray), center, ball.radius * ball.radius, limit);
+    let (hit, t) = S::test(&S::precalculate(ray), center, ball.radius * ball.radius, limit);
     hit.then_some(t)
 }
 

@@ -92,7 +92,7 @@ pub(crate) type Intersect = fn([Vec3; 3], &Ray<f32>, f32) -> Option<[f32; 3]>;
 
 /// t, u and v by method `T`.
 pub fn intersect<T: TriangleMethod>(triangle: [Vec3; 3], ray: &Ray<f32>, limit: f32) -> Option<[f32; 3]> {
-    let TriangleHit { mask, t, u, v } = T::test(&T::prepare(ray), &T::store(triangle), limit);
+    let TriangleHit { mask, t, u, v } = T::test(&T::precalculate(ray), &T::store(triangle), limit);
     mask.then_some([t, u, v])
 }
 

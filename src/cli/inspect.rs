@@ -10,15 +10,17 @@ use std::process::ExitCode;
 /// Show what a scene contains.
 ///
 /// Prints the numbers of objects, materials and textures, their memory, the camera, and warnings about the
-/// file; the features that the scene needs; the traversal and why, either testing every primitive or a
-/// hierarchy of boxes, which is built, timed and checked; and the default methods and why. Exits with 1 if
-/// the hierarchy is invalid.
+/// file; the features that the scene needs; and the traversal, either testing every primitive or a hierarchy
+/// of boxes, which is built, timed and checked. Exits with 1 if the hierarchy is invalid.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray inspect builtin:three --json")]
 pub struct Options {
     #[arg(value_name = "SCENE", help = SCENE)]
     scene: String,
-    /// Print the report as JSON (schema octray-inspect-1).
+    /// Also print the reasons for the traversal and the default methods.
+    #[arg(long)]
+    why: bool,
+    /// Print the report as JSON (schema octray-inspect-1), reasons included.
     #[arg(long)]
     json: bool,
 }
@@ -28,7 +30,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let scene = scenes::load(&options.scene)?;
     let inspection = Inspection::of(options.scene, &scene);
     let out = Printer { json: options.json };
-    out.text(&inspection.text())?;
+    out.text(&inspection.text(options.why))?;
     out.report(&inspection)?;
     Ok(checked(!inspection.is_valid()))
 }

@@ -1,7 +1,7 @@
 //! `octray rays`: rays per second, by kind of ray and traversal.
 
 use super::error::{CliError, checked};
-use super::groups::{SCENE, choice};
+use super::groups::{SCENE, choice, one_of};
 use super::numbers::{seed, size, threads, whole};
 use super::ray_dump;
 use super::scenes;
@@ -33,8 +33,8 @@ const MAX_RAYS: u32 = 1 << 23;
 ///
 /// Three kinds: primary rays from a camera that sees the whole scene (blocks of 4×4 pixels), one shadow ray
 /// from each of their hits (cosine-weighted, a quarter of the scene's diagonal long, any hit), and one
-/// diffuse ray from each (cosine-weighted, nearest hit). They are traced from prepared arrays, whose
-/// preparation is not timed. All traversals are measured in alternation.
+/// diffuse ray from each (cosine-weighted, nearest hit). Making the rays is not
+/// timed. All traversals are measured in alternation.
 ///
 /// Columns: lanes: rays traced at a time. Mray/s: millions of rays per second on one thread (or --threads)
 /// and on all cores, the median, and in brackets from 10 to 90 % of the passes. × scalar: over one scalar ray
@@ -53,11 +53,10 @@ pub struct Options {
     /// Print the figures as JSON (schema octray-rays-1).
     #[arg(long)]
     json: bool,
-    /// Trace all rays once more without timing, and print box, triangle and sphere tests per ray.
+    /// Trace once more, not timed: box, triangle and sphere tests per ray.
     #[arg(long)]
     stats: bool,
-    /// Write rays, nearest hits and triangles into this folder, for other programs to trace; perf/README.md
-    /// describes the format.
+    /// Write rays, nearest hits and triangles; see perf/README.md.
     #[arg(long, value_name = "DIR")]
     dump: Option<PathBuf>,
     /// Pixels, one primary ray each.
@@ -66,11 +65,10 @@ pub struct Options {
     /// Worker threads [default: one, and once more all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Measure this traversal only; `auto` measures all that suit the kind of rays.
-    #[arg(long, value_name = "TRAVERSAL", default_value = TraversalChoice::default().name(), value_parser = choice::<TraversalChoice>())]
+    /// Measure this traversal only; auto: all that suit the rays.
+    #[arg(long, value_name = "METHOD", default_value = TraversalChoice::default().name(), value_parser = choice::<TraversalChoice>(), hide_possible_values = true, hide_default_value = true, long_help = one_of::<TraversalChoice>("Measure one traversal; auto measures all that suit the kind of rays"))]
     traversal: TraversalChoice,
-    /// Measured passes for each traversal [default: at least 10, and as many as fit into a second for each
-    /// kind of ray].
+    /// Measured passes [default: at least 10, and as many as a second holds].
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_PASSES>, allow_hyphen_values = true)]
     passes: Option<u32>,
     /// Seed of the random numbers.

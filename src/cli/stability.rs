@@ -16,14 +16,13 @@ const JSON: &str = "stability.json";
 
 /// Measure where methods fail.
 ///
-/// Runs every method on cases that are numerically difficult: intersection of spheres, triangles and boxes,
-/// offsets of rays that leave surfaces, texture lookup, scattering, light sampling, sums of samples, cameras
-/// and whole scenes; far away, huge, tiny, at edges, in the planes of faces, close to each other. All methods
-/// get the same cases and are compared with double precision. The verdict comes first, then a table a test
-/// case: failure rates and errors by distance, scale or shape. The seeds are fixed: the figures are the same
-/// in every run and on any number of threads, and differ slightly between builds with and without FMA. Exits
-/// with 1 if a default method exceeds its bounds. All test cases together take about half a minute on two
-/// cores.
+/// Runs every method on test cases that are numerically difficult: intersection of spheres, triangles and
+/// boxes, offsets of spawned rays, texture lookup, scattering, light sampling, sums of samples, cameras and
+/// whole scenes; far away, huge, tiny, at edges, in the planes of faces, close to each other. All methods get
+/// the same inputs and are compared with double precision. The verdict comes first, then a table a test case:
+/// failure rates and errors by distance, scale or shape. Seeds are fixed: the figures are the same in every
+/// run on any number of threads, and differ slightly between builds with and without FMA. Exits with 1 if a
+/// default method exceeds its bounds. All test cases take half a minute on two cores.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Examples:
   octray stability
@@ -33,16 +32,21 @@ pub struct Options {
     /// Print the figures as JSON (schema octray-stability-1).
     #[arg(long)]
     json: bool,
-    /// Also write the JSON and a chart of each test case (SVG) into this folder; created if it does not
-    /// exist.
+    /// Also write the JSON and a chart of each test case (SVG) into this folder.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Try ten times as many cases, millions, for failures that are rarer; some five minutes on two cores.
+    /// Try ten times as many inputs, for rarer failures; five minutes on two cores.
     #[arg(long)]
     thorough: bool,
     /// Run these test cases only.
-    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = PossibleValuesParser::new(test_cases().map(|test_case| test_case.name)))]
+    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = PossibleValuesParser::new(test_cases().map(|test_case| test_case.name)), hide_possible_values = true, long_help = only())]
     only: Vec<String>,
+}
+
+/// The help of `--only`.
+fn only() -> String {
+    let names: Vec<&str> = test_cases().map(|test_case| test_case.name).collect();
+    format!("Run these test cases only: {}", names.join(", "))
 }
 
 /// Runs the command.

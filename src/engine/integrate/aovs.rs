@@ -45,8 +45,8 @@ pub enum Plane {
     /// The barycentric weight of the third vertex.
     WeightV,
     /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal and of the metallic share
-    /// of metal-rough, roughness of the fuzzy mirror; 0 of mirrors and glass; 1 of every other surface and share,
-    /// and where there is none.
+    /// of metal-rough, roughness of the fuzzy mirror; 0 of mirrors and glass; 1 of every other surface and
+    /// share, and where there is none.
     Lobe,
     /// Of emissive surfaces and of the environment, radiance over albedo; 0 of every other surface.
     Scale,

@@ -67,8 +67,8 @@ pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
     Vec3::select(missed, radiance, Vec3::zero())
 }
 
-/// The environment's radiance from a direction, in a cone of the angle `cone_angle`; unspecified in lanes outside
-/// `mask`.
+/// The environment's radiance from a direction, in a cone of the angle `cone_angle`; unspecified in lanes
+/// outside `mask`.
 #[inline(always)]
 pub fn environment_radiance<L: Lane, const N: u32>(
     context: &TraceContext,

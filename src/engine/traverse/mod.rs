@@ -12,10 +12,9 @@
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //! | `tree` | the choice between those of the hierarchy |
 //!
-//! [`Primitives`] asks them. They share [`hierarchy`] (nodes and leaves),
-//! `leaf` (how rays intersect triangles), `compact` (the leaves of large hierarchies), `precalculated` (rays ready
-//! for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts
-//! the tests.
+//! [`Primitives`] asks them. They share [`hierarchy`] (nodes and leaves), `leaf` (how rays intersect
+//! triangles), `compact` (the leaves of large hierarchies), `precalculated` (rays ready for boxes and
+//! triangles), [`rays`] (columns of rays and hits), [`stack`], and [`counter`], which counts the tests.
 //!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
 //! spheres first, then triangles, the nearest t winning and the lower index on a tie.

@@ -10,9 +10,9 @@ use octray_engine::math::MISS;
 use octray_engine::traverse::Traversal;
 use octray_engine::traverse::hierarchy::Hierarchy;
 use octray_formats::scene;
-use octray_laboratory::measure::ray_sets::{Answers, Kind, Prepared};
+use octray_laboratory::measure::ray_sets::{Answers, Kind, RaysWithHits};
 use octray_laboratory::measure::rays;
-use octray_laboratory::measure::trace::{PreparedScene, TraceMethod, TracePool};
+use octray_laboratory::measure::trace::{AccelerationStructures, TraceMethod, TracePool};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -34,12 +34,12 @@ fn main() {
     });
     group.finish();
 
-    let prepared_scene = PreparedScene::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+    let structures = AccelerationStructures::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
     let pool = TracePool::new(1);
     let sets = rays::prepare(
         &scene,
         &scene.overview().expect("the scene has an outside"),
-        &prepared_scene,
+        &structures,
         &pool,
         SIZE,
         0,
@@ -55,10 +55,10 @@ fn main() {
             }
             let way = TraceMethod::Tree(traversal);
             let mut answers = Answers::none(&rays.set);
-            trace(way, &pool, &prepared_scene, rays, &mut answers);
+            trace(way, &pool, &structures, rays, &mut answers);
             check(way, rays, &answers);
             group.bench_function(BenchmarkId::from_parameter(way.name()), |bencher| {
-                bencher.iter(|| trace(way, &pool, &prepared_scene, black_box(rays), &mut answers));
+                bencher.iter(|| trace(way, &pool, &structures, black_box(rays), &mut answers));
             });
         }
         group.finish();
@@ -69,17 +69,17 @@ fn main() {
 fn trace(
     way: TraceMethod,
     pool: &TracePool,
-    prepared_scene: &PreparedScene,
-    rays: &Prepared,
+    structures: &AccelerationStructures,
+    rays: &RaysWithHits,
     answers: &mut Answers,
 ) {
     pool.clear(&rays.set, answers);
-    pool.trace(way, prepared_scene, &rays.set, answers, rays.set.kind.any_hit());
+    pool.trace(way, structures, &rays.set, answers, rays.set.kind.any_hit());
 }
 
 /// # Panics
 /// If the way finds other hits than one scalar ray at a time.
-fn check(way: TraceMethod, rays: &Prepared, answers: &Answers) {
+fn check(way: TraceMethod, rays: &RaysWithHits, answers: &Answers) {
     let (kind, nearest) = (rays.set.kind, &rays.nearest);
     assert!(nearest.count() > rays.set.len() / 100, "{}: {} hits are too few", kind.name(), nearest.count());
     if kind.any_hit() {

@@ -32,24 +32,19 @@ const MAX_FRAMES: u32 = 1_000_000;
 /// Measure frames per second, SIMD beside scalar.
 ///
 /// A frame is one sample per pixel. Each scene is rendered frame after frame, first to warm up, then to
-/// measure. Loading and building are not timed. One sample of each scene is also checked: SIMD against
-/// scalar, and against a reference in double precision.
+/// measure; loading and building are not timed. One pass is checked: SIMD against scalar, and against a
+/// reference in double precision.
 ///
-/// Columns: 16 lanes, 8 lanes, scalar: frames per second on one thread (or --threads), the median, and in
-/// brackets the 1 % low (the rate that 99 % of the frames reach). Packets of 16 are measured where they are
-/// one vector of the machine. all cores, and Mray/s, millions of rays per second on one thread (or
-/// --threads): by the width of --lanes, or that of --lanes auto. 178k is 178,000; a dash stands for what was
-/// not measured. pixels≠: pixels in which any width differs from scalar in any bit. hits≠: primary hits that
-/// are wrong by the reference. Both should be 0; if not, the exit code is 1. rmse: root mean square error of
-/// a frame without next event estimation (--lights off) against the reference on the same random numbers.
+/// Columns: 16 lanes (where they are one vector), 8 lanes, scalar: frames per second on one thread (or
+/// --threads), the median, and in brackets the 1 % low (the rate that 99 % of the frames reach). all cores,
+/// and Mray/s, millions of rays per second on one thread: by the width of --lanes. 178k is 178,000; a dash
+/// was not measured. differing: pixels in which any width differs from scalar in any bit. wrong hits: primary
+/// hits that are wrong by the reference. Both should be 0, or the exit code is 1. rmse: root mean square
+/// error of a frame without next event estimation against the reference on the same random numbers.
 ///
-/// A second table, after the last scene, has ratios of that width: medians of alternating rounds, and in
-/// brackets from 10 to 90 % of them. speed-up: over scalar. scaling: all cores over one thread. over general:
-/// the pipeline compiled for the features of the scene over the one with every feature; a dash where these
-/// are the same.
-///
-/// The last line is a summary to paste. Where the machine is busy, it and the speed-up say that they are not
-/// reliable.
+/// Then ratios: medians of alternating rounds, and in brackets from 10 to 90 % of them. speed-up: over
+/// scalar. scaling: all cores over one thread. specialisation: the pipeline compiled for the features of the
+/// scene over the one with every feature. The last line is a summary to paste.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
 pub struct Options {
@@ -59,22 +54,19 @@ pub struct Options {
     /// Print the figures as JSON (schema octray-bench-1).
     #[arg(long)]
     json: bool,
-    /// After the measured frames, render some more that are not timed, and print time by stage, rays by kind,
-    /// lanes in use by bounce, and box and primitive tests per ray.
+    /// Print time by stage, rays by kind, SIMD utilisation, tests per ray.
     #[arg(long)]
     stats: bool,
     /// Worker threads [default: one, and SIMD once more on all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Measure one width only [default: scalar and every width that is one vector of the machine].
-    #[arg(long, value_name = "LANES", value_parser = lanes())]
+    /// Measure one width only, of auto, 1, 8, 16 [default: 1 and one vector].
+    #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true)]
     lanes: Option<LaneChoice>,
-    /// Measured frames for each scene and column [default: at least 50, and as many as fit into two seconds a
-    /// scene].
+    /// Measured frames [default: two seconds a scene, and at least 50].
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_FRAMES>, allow_hyphen_values = true)]
     frames: Option<u32>,
-    /// A report of an earlier run (--json): print how many times as fast this one is. Another scene or other
-    /// settings are refused; another machine is a warning.
+    /// Print ratios to an earlier report (--json) of the same settings.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     #[command(flatten)]

@@ -63,15 +63,13 @@ pub struct Options {
     /// Also print the figures as JSON (schema octray-chart-1).
     #[arg(long)]
     json: bool,
-    /// Time for the whole run: a longer one has more samples, narrower bands and a better ground truth
-    /// [default: 20 for each scene].
+    /// Time for the run; more gives narrower bands [default: 20 a scene].
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
     budget: Option<Duration>,
     /// Take each scene's own size, rounded up to multiples of 3, and bounces.
     #[arg(long, conflicts_with_all = ["size", "bounces"])]
     as_scene: bool,
-    /// Pixels of a frame; multiples of 3, because the pictures of the pictures chart have a third of its
-    /// width and height.
+    /// Pixels of a frame, multiples of 3: pictures have a third of each side.
     #[arg(long, value_name = "WxH", default_value = "240x135", value_parser = chart_size, allow_hyphen_values = true)]
     size: [u32; 2],
     /// Most scattering events on a path.

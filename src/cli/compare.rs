@@ -16,6 +16,10 @@ use crate::scene::{Loaded, builtin_names};
 use clap::Parser;
 use std::process::ExitCode;
 
+const HASH: &str = "Only print a hash of each scene's film, equal on every machine: FNV-1a (64 bits) of width and \
+     height (u32) and of the linear RGB of all pixels by rows (f32), little-endian, for builds with fused \
+     multiply-add (\"fused\") or without (\"plain\")";
+
 /// Check that SIMD and scalar render the same picture.
 ///
 /// Renders each scene at every width (1, 8 and, with AVX-512, 16) and counts the pixels that differ in any
@@ -39,10 +43,8 @@ pub struct Options {
     /// Worker threads [default: all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Only print a hash of each scene's film, equal on every machine: FNV-1a (64 bits) of width and height
-    /// (u32) and of the linear RGB of all pixels by rows (f32), little-endian. "fused" or "plain" says
-    /// whether this build has fused multiply-add; films of the two kinds differ.
-    #[arg(long)]
+    /// Only print a hash of each scene's film, equal on every machine.
+    #[arg(long, long_help = HASH)]
     hash: bool,
     /// Samples per pixel.
     #[arg(long, value_name = "N", default_value = "16", value_parser = samples, allow_hyphen_values = true)]

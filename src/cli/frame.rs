@@ -3,7 +3,7 @@
 //! For: [`FrameOptions`].
 
 use super::error::CliError;
-use super::groups::{MethodArgs, choice, warn_of_lost_hierarchy};
+use super::groups::{METHODS, MethodArgs, choice, one_of, warn_of_lost_hierarchy};
 use super::memory;
 use super::numbers::{seed, size, whole};
 use super::scenes;
@@ -28,8 +28,8 @@ pub struct FrameOptions {
     pub seed: u32,
     #[command(flatten)]
     pub methods: MethodArgs,
-    /// Features that the pipeline is compiled for: the pictures are the same, the speed is not.
-    #[arg(long, value_name = "PIPELINE", default_value = PipelineChoice::default().name(), value_parser = choice::<PipelineChoice>())]
+    /// Features that the pipeline is compiled for.
+    #[arg(long, value_name = "METHOD", default_value = PipelineChoice::default().name(), hide_default_value = true, value_parser = choice::<PipelineChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<PipelineChoice>("Features that the pipeline is compiled for, with the same picture"))]
     pub pipeline: PipelineChoice,
 }
 

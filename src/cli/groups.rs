@@ -1,6 +1,6 @@
 //! The options of methods, which several commands share, and value parsers of choices.
 //!
-//! For: [`MethodArgs`], [`warn_of_lost_hierarchy`], [`choice`], [`lanes`].
+//! For: [`MethodArgs`], [`METHODS`], [`warn_of_lost_hierarchy`], [`choice`], [`one_of`], [`lanes`].
 
 use super::error::{CliError, refuse};
 use super::terminal;
@@ -11,16 +11,23 @@ use crate::render::LaneChoice;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// The help of an argument that is a scene.
 pub const SCENE: &str = "A scene file (.json), a model (.obj, .gltf, .glb, .ply), or builtin:NAME";
 
-/// Reads the name of a choice; help and errors list all names.
+/// The heading of options that choose a method.
+pub const METHODS: &str = "Methods, explained by `octray methods`";
+
+/// Reads the name of a choice; errors list all names.
 pub fn choice<C: Choice>() -> impl TypedValueParser<Value = C> {
-    let value = |choice: &C| PossibleValue::new(choice.name()).help(choice.about());
-    PossibleValuesParser::new(C::all().iter().map(value))
+    PossibleValuesParser::new(C::NAMES)
         .map(|name| C::from_name(&name).expect("the parser accepts the names of choices alone"))
+}
+
+/// The long help of a choice: what is chosen, all names, and the default.
+pub fn one_of<C: Choice + Default>(what: &str) -> String {
+    format!("{what}: {} [default: {}]", C::NAMES.join(", "), C::default().name())
 }
 
 /// Reads a width that this build has.
@@ -33,22 +40,20 @@ pub fn lanes() -> impl TypedValueParser<Value = LaneChoice> {
 /// The methods of a rendering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::Args)]
 pub struct MethodArgs {
-    /// Ray-sphere intersection method [default: robust].
-    #[arg(long, value_name = "METHOD", value_parser = choice::<SphereChoice>())]
+    /// Ray-sphere intersection.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<SphereChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<SphereChoice>("Ray-sphere intersection"))]
     pub sphere: Option<SphereChoice>,
-    /// Ray-triangle intersection method [default: woop].
-    #[arg(long, value_name = "METHOD", value_parser = choice::<TriangleChoice>())]
+    /// Ray-triangle intersection.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<TriangleChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<TriangleChoice>("Ray-triangle intersection"))]
     pub triangle: Option<TriangleChoice>,
-    /// How rays find the primitives that they hit; it does not change the picture. The methods naive and
-    /// moller-trumbore have no hierarchy: every primitive is tested [default: needed].
-    #[arg(long, value_name = "TRAVERSAL", value_parser = choice::<TraversalChoice>())]
+    /// How rays find primitives: the same picture at another speed.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<TraversalChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<TraversalChoice>("How rays find primitives, with the same picture"))]
     pub traversal: Option<TraversalChoice>,
-    /// Which emitters next event estimation samples. It changes the noise, not the expected picture [default:
-    /// auto].
-    #[arg(long, value_name = "CHOICE", value_parser = choice::<LightChoice>())]
+    /// Lights of next event estimation: other noise, the same mean.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<LightChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<LightChoice>("Lights that next event estimation samples, with other noise and the same mean"))]
     pub lights: Option<LightChoice>,
-    /// Source of random numbers. It changes the noise, not the expected picture [default: sobol].
-    #[arg(long, value_name = "SAMPLER", value_parser = choice::<Sampler>())]
+    /// Source of random numbers: other noise, the same mean.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Sampler>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<Sampler>("Source of random numbers, with other noise and the same mean"))]
     pub sampler: Option<Sampler>,
 }
 

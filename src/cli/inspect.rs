@@ -17,9 +17,8 @@ use std::process::ExitCode;
 /// Show what a scene contains, or one path of a pixel.
 ///
 /// Prints the numbers of objects, materials and textures, their memory, the camera, and warnings about the
-/// file; the features that the scene needs; the traversal and why, either testing every primitive or a
-/// hierarchy of boxes, which is built, timed and checked; and the default methods and why. Exits with 1 if
-/// the hierarchy is invalid.
+/// file; the features that the scene needs; and the traversal, either testing every primitive or a hierarchy
+/// of boxes, which is built, timed and checked. Exits with 1 if the hierarchy is invalid.
 ///
 /// With --pixel, prints the path of one sample of a frame of `octray compare`, in double precision (the
 /// reference) beside single precision (the engine): at each vertex the hit, the lobe that scatters, the
@@ -32,7 +31,10 @@ use std::process::ExitCode;
 pub struct Options {
     #[arg(value_name = "SCENE", help = SCENE)]
     scene: String,
-    /// Print the report as JSON (schema octray-inspect-1; of a path octray-path-1).
+    /// Also print the reasons for the traversal and the default methods.
+    #[arg(long)]
+    why: bool,
+    /// Print the report as JSON (schema octray-inspect-1, reasons included; of a path octray-path-1).
     #[arg(long)]
     json: bool,
     /// Print a path of this pixel: column and row, from 0,0 at the upper left.
@@ -65,7 +67,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     }
     let scene = scenes::load(&options.scene)?;
     let inspection = Inspection::of(options.scene, &scene);
-    out.text(&inspection.text())?;
+    out.text(&inspection.text(options.why))?;
     out.report(&inspection)?;
     Ok(checked(!inspection.is_valid()))
 }

@@ -17,44 +17,29 @@ use std::time::Duration;
 
 /// Render a picture into a file.
 ///
-/// The file's extension decides its format: .png and .jpg for display (exposure, tone mapping, sRGB), .exr
-/// and .hdr for linear radiance. The file is written at the end, and replaces an existing one then.
+/// The file's ending decides its format: .png and .jpg for display, .exr and .hdr for linear radiance. It is
+/// written at the end, over an existing one. The first limit reached ends the rendering.
 ///
-/// Without limits, every pixel gets 64 samples. --samples, --time-limit and --target-error can be combined:
-/// the first one reached ends the rendering, and the report says which.
+/// --target-error estimates the error of blocks of 16×16 pixels after 16, 32, 64, … samples: the root mean
+/// square of the standard errors of their luminance, relative to it, or to the block's mean where a pixel is
+/// brighter, or to a tenth of the picture's brightness where it is darker. Blocks that reach the target stop.
+/// The estimate can miss light that hardly any sample finds, such as caustics, and blocks that it stops too
+/// early are too dark: by less than a fiftieth of a per cent in most scenes, by some per cent where much
+/// light comes from one path in ten thousand.
 ///
-/// --target-error estimates the error of blocks of 16×16 pixels after 16, 32, 64, … samples. A block's error
-/// is the root mean square of the standard errors of its pixels' luminance, each relative to the pixel's
-/// luminance, or to the block's mean where the pixel is brighter, or to a tenth of the picture's brightness
-/// where it is darker. E bounds the root mean square over the picture, 2 E the error of every block. Blocks
-/// stop when they reach the target, so that difficult ones get more samples, and may keep more error. The
-/// estimate comes from the samples themselves: it can miss light that hardly any sample finds, such as
-/// caustics. Stopping by it is biased: blocks with a low estimate by chance stop early, mostly those that
-/// have missed such light, and are too dark: by less than a fiftieth of a per cent in most scenes, by some
-/// per cent where much light comes from one path in ten thousand. Where all pixels have the same number of
-/// samples, there is no bias.
+/// A view (.json, format octray-view-1) has defaults for options in its `render`; any limit given replaces
+/// its samples. With --checkpoint the same command goes on after a crash, Ctrl-C or a time limit, also with
+/// more --samples, to the bits of one run; time limits count from each start and frame. A checkpoint of
+/// another scene, setting, version or rounding is refused. If it cannot be saved, a warning says so and the
+/// rendering goes on; if not at the end either, the exit code is 2. With --shard, part I of N has every N-th
+/// tile of 16×16 pixels, and `octray merge` joins the parts into the bits of one run. A part goes on where it
+/// was interrupted if --checkpoint names it too.
 ///
-/// A view (a .json file of the format octray-view-1) names another scene and a camera. Its `render` holds
-/// defaults for options of this command, by their names; options on the command line override them, and
-/// --samples, --time-limit and --target-error its samples.
-///
-/// --checkpoint makes a rendering restartable: after a crash, Ctrl-C or a time limit, the same command goes
-/// on, and its picture has the bits of a run that was never interrupted. More --samples go on from the same
-/// file too. Time limits count from each start, and for each frame. A checkpoint of another scene, of other
-/// settings, or by an octray of another version or rounding is refused. If it cannot be saved, a warning says
-/// so, the earlier one stays and the rendering goes on; if that is still so at the end, the picture is
-/// written and the exit code is 2.
-///
-/// --shard divides a picture among machines: part I of N has every N-th tile of 16×16 pixels. `octray merge`
-/// joins the parts into the bits of one run. A part is a checkpoint: with the same name for --checkpoint and
-/// --output it goes on where it was interrupted.
-///
-/// Ctrl-C ends the rendering early: the picture so far is written, the exit code is 130, and with --json
-/// `interrupted` is true. If a sample of the whole picture takes long, some parts then have one sample more
-/// than others; parts without a sample are black; if no part has a sample, nothing is written. A second
-/// Ctrl-C ends the program at once and writes nothing; the last checkpoint stays.
+/// Ctrl-C writes the picture so far, with exit code 130 and `interrupted` in JSON: where a pass takes long,
+/// some pixels have one sample more than others, and those without one are black. A second Ctrl-C writes
+/// nothing; the last checkpoint stays.
 #[derive(Debug, clap::Parser)]
-#[command(after_help = "Examples:
+#[command(after_long_help = "Examples:
   octray render builtin:three -o three.png
   octray render scene.json -o scene.exr --samples 1024 --size 1920x1080
   octray render scene.json -o scene.png --target-error 0.05 --time-limit 600 --samples-map where.png
@@ -69,34 +54,33 @@ pub struct RenderOptions {
     pub output: PathBuf,
     #[command(flatten)]
     pub limits: LimitOptions,
-    /// Also write the number of samples of each pixel: as numbers into .exr and .hdr, as shades (white for
-    /// the most, half as bright to the eye for its square root) into .png and .jpg.
-    #[arg(long, value_name = "FILE")]
+    /// Also write the samples of each pixel, as numbers (.exr, .hdr) or shades (.png, .jpg).
+    #[arg(long, value_name = "FILE", help_heading = LONG, hide_short_help = true)]
     pub samples_map: Option<PathBuf>,
-    /// Save what is done into FILE every few seconds and at the end; if FILE is there, go on from it.
-    #[arg(long, value_name = "FILE")]
+    /// Save every few seconds into FILE; go on from it if it is there.
+    #[arg(long, value_name = "FILE", help_heading = LONG)]
     pub checkpoint: Option<PathBuf>,
-    /// Seconds between two checkpoints [default: 5, or 50 times as long as saving takes].
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, requires = "checkpoint")]
+    /// Seconds between checkpoints [default: 5, or 50 times as long as saving takes].
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, requires = "checkpoint", help_heading = LONG, hide_short_help = true)]
     pub checkpoint_interval: Option<Duration>,
-    /// Render part I of N of the picture into a part file for `octray merge`; with --frames, every N-th
-    /// frame.
-    #[arg(long, value_name = "I/N", value_parser = shard, allow_hyphen_values = true)]
+    /// Render part I of N for `octray merge`; of frames every N-th.
+    #[arg(long, value_name = "I/N", value_parser = shard, allow_hyphen_values = true, help_heading = LONG)]
     pub shard: Option<Shard>,
-    /// Render the frames A to B of the keyframes of a view. The last # or row of # in the names of files
-    /// becomes the frame's number.
-    #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true)]
+    /// Render frames of a view's keyframes; # in names is the number.
+    #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true, help_heading = LONG)]
     pub frames: Option<RangeInclusive<u32>>,
     #[command(flatten)]
     pub picture: PictureOptions,
     /// Print the report as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,
-    /// Print time by stage, rays by kind, lanes in use by bounce, and box and primitive tests per ray.
-    /// Counting takes some time; it does not change the picture.
+    /// Print time by stage, rays by kind, SIMD utilisation, tests per ray.
     #[arg(long)]
     pub stats: bool,
 }
+
+/// The heading of options for renderings of many hours, machines or frames.
+const LONG: &str = "Long renderings";
 
 /// A film to render, and the files that are made of it.
 pub struct Job {
@@ -259,7 +243,7 @@ mod tests {
             "lights": "on", "sampler": "random", "pipeline": "general" });
         let other = json!({ "samples": 1, "seed": 2, "exposure": 3, "tone": "aces", "clamp": 4,
             "sphere": "robust", "triangle": "woop", "traversal": "single",
-            "lights": "off", "sampler": "sobol", "pipeline": "needed" });
+            "lights": "off", "sampler": "sobol", "pipeline": "auto" });
         let none = json!({});
         let by_view = chosen(&some, &none);
         assert_eq!(by_view, chosen(&none, &some));

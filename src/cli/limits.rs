@@ -18,23 +18,27 @@ const LEAST_SAMPLES: u32 = 16;
 /// Fewest samples from which a variance can be estimated.
 const FEWEST_SAMPLES: u32 = crate::film::noise::GROUP;
 
+/// The heading of limits.
+const LIMITS: &str = "When to stop";
+const SAMPLES_HELP: &str = "Samples per pixel (or --spp): four times as many halve the noise [default: 64; with \
+     --target-error at most 16384; with --time-limit as many as fit]";
+const TARGET_HELP: &str = "Stop at a relative standard error of E, such as 0.05 for five per cent, over the \
+     picture, and of 2 E in every block of 16×16 pixels";
+
 /// When a rendering ends: at the limit that is reached first.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct LimitOptions {
-    /// Samples per pixel: four times as many halve the noise [default: 64; with --target-error at most 16384;
-    /// with --time-limit as many as fit].
-    #[arg(long, visible_alias = "spp", value_name = "N", value_parser = samples, allow_hyphen_values = true)]
+    /// Samples per pixel; four times as many halve the noise [default: 64].
+    #[arg(long, help_heading = LIMITS, alias = "spp", value_name = "N", value_parser = samples, allow_hyphen_values = true, long_help = SAMPLES_HELP)]
     pub samples: Option<u32>,
-    /// Stop at a relative standard error of E over the picture, such as 0.05 for five per cent, and of 2 E in
-    /// every block of 16×16 pixels. Blocks that reach it early get no more samples.
-    #[arg(long, value_name = "E", value_parser = target_error, allow_hyphen_values = true)]
+    /// Stop at this relative standard error, such as 0.05.
+    #[arg(long, help_heading = LIMITS, value_name = "E", value_parser = target_error, allow_hyphen_values = true, long_help = TARGET_HELP)]
     pub target_error: Option<f64>,
-    /// With --target-error: samples per pixel before the first estimate of the error [default: 16].
-    #[arg(long, value_name = "N", value_parser = whole::<FEWEST_SAMPLES, MAX_SAMPLES>, allow_hyphen_values = true, requires = "target_error")]
+    /// With --target-error: samples per pixel before the first estimate [default: 16].
+    #[arg(long, help_heading = LIMITS, value_name = "N", value_parser = whole::<FEWEST_SAMPLES, MAX_SAMPLES>, allow_hyphen_values = true, requires = "target_error", hide_short_help = true)]
     pub min_samples: Option<u32>,
-    /// Stop after so many seconds of tracing, between samples of the whole picture where one fits; loading
-    /// and writing are not counted.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    /// Stop after so many seconds of tracing, if possible between passes.
+    #[arg(long, help_heading = LIMITS, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
     pub time_limit: Option<Duration>,
 }
 

@@ -27,12 +27,11 @@ pub struct Options {
     /// The picture file: .png, .jpg, .exr or .hdr.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Brighten (above 0) or darken (below 0) the displayed picture by so many stops of a factor of two
-    /// [default: the parts'].
+    /// Stops by which .png and .jpg are brightened [default: the parts'].
     #[arg(long, value_name = "STOPS", value_parser = exposure, allow_hyphen_values = true)]
     exposure: Option<f32>,
-    /// Tone mapping of the displayed picture [default: the parts'].
-    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>())]
+    /// Tone mapping of .png and .jpg: clamp, reinhard, aces [default: the parts'].
+    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>(), hide_possible_values = true)]
     tone: Option<Operator>,
     /// Print the report as JSON (schema octray-merge-1).
     #[arg(long)]

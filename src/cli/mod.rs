@@ -7,7 +7,7 @@
 //! | `numbers`, `groups` | value parsers; options of methods |
 //! | `picture`, `frame`, `limits` | options that commands share, and the settings made of them |
 //! | `bench`, `compare`, `render`, `rays`, `chart`, `view` | commands |
-//! | `stability`, `merge`, `convert`, `inspect` | commands |
+//! | `stability`, `merge`, `convert`, `inspect`, `methods` | commands |
 //! | `scenes` | loads the scenes of commands |
 //! | `trace`, `interrupt`, `progress` | sampling up to a limit, Ctrl-C, progress lines |
 //! | `jobs`, `frames` | of `render`: its options, the pictures or parts of one call, and their files |
@@ -37,6 +37,7 @@ mod limits;
 mod machine_check;
 mod memory;
 mod merge;
+mod methods;
 mod numbers;
 mod picture;
 mod progress;
@@ -97,6 +98,7 @@ enum Command {
     Stability(stability::Options),
     Convert(convert::Options),
     Inspect(inspect::Options),
+    Methods(methods::Options),
 }
 
 const WELCOME: &str = "\
@@ -112,6 +114,7 @@ octray traces paths through scenes on the CPU, 8 or 16 rays at a time. Try:
   octray stability                                where methods fail, and which are robust
   octray inspect builtin:three                    what a scene contains
   octray convert model.obj scene.json             a scene file from a mesh
+  octray methods                                  what options choose among
 
 octray --help lists everything; octray COMMAND --help explains one command.
 ";
@@ -148,7 +151,8 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
         return Ok(ExitCode::SUCCESS);
     };
     // The speed of the others does not matter.
-    if !matches!(command, Command::Merge(_) | Command::Convert(_) | Command::Inspect(_)) {
+    if !matches!(command, Command::Merge(_) | Command::Convert(_) | Command::Inspect(_) | Command::Methods(_))
+    {
         verdict.advise();
     }
     match command {
@@ -163,6 +167,7 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
         Command::Stability(options) => stability::run(options),
         Command::Convert(options) => convert::run(options),
         Command::Inspect(options) => inspect::run(options),
+        Command::Methods(options) => methods::run(options),
     }
 }
 

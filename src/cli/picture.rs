@@ -2,7 +2,7 @@
 //!
 //! For: [`PictureOptions`] of `render` and `view`, [`of_view`].
 
-use super::groups::{MethodArgs, choice, lanes};
+use super::groups::{METHODS, MethodArgs, choice, lanes, one_of};
 use super::numbers::{clamp, exposure, seed, size, threads, whole};
 use crate::machine;
 use crate::render::{LaneChoice, PipelineChoice, Settings};
@@ -11,39 +11,40 @@ use crate::scene::{Loaded, MAX_BOUNCES, Rendering};
 use crate::tone::{Operator, Tone};
 use crate::traverse::Methods;
 
+const CLAMP: &str = "Largest radiance of a sample in each channel: it removes fireflies and biases the picture, darker by \
+     the light that is cut off [default: no limit]";
+
 /// Without an option, a view has its own value; without a view, the scene.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct PictureOptions {
     /// Pixels of the picture [default: the scene's].
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
-    /// Most scattering events on a path; 0 shows only emission [default: the scene's].
+    /// Most scattering events; 0 shows emission [default: the scene's].
     #[arg(long, value_name = "N", value_parser = whole::<0, MAX_BOUNCES>, allow_hyphen_values = true)]
     pub bounces: Option<u32>,
-    /// Seed of the random numbers: the same seed gives the same picture, bit by bit [default: 0].
+    /// Seed of the random numbers, which fixes every bit [default: 0].
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true)]
     pub seed: Option<u32>,
-    /// Worker threads; they do not change the picture [default: all cores].
+    /// Worker threads, with the same picture [default: all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub threads: Option<usize>,
-    /// Rays traced at a time; they do not change the picture [default: auto].
-    #[arg(long, value_name = "LANES", value_parser = lanes())]
+    /// Rays traced at a time, with the same picture.
+    #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true, long_help = one_of::<LaneChoice>("Rays traced at a time, with the same picture"))]
     pub lanes: Option<LaneChoice>,
-    /// Largest radiance of a sample in each channel. It removes fireflies and their light: the picture is
-    /// biased, darker by the light that is cut off [default: no limit].
-    #[arg(long, value_name = "MOST", value_parser = clamp, allow_hyphen_values = true)]
+    /// Largest radiance of a sample: no fireflies, but biased [default: none].
+    #[arg(long, value_name = "MOST", value_parser = clamp, allow_hyphen_values = true, long_help = CLAMP)]
     pub clamp: Option<f32>,
-    /// Brighten (above 0) or darken (below 0) the displayed picture, .png and .jpg included, by so many stops
-    /// of a factor of two [default: 0].
+    /// Stops by which .png, .jpg and display are brightened [default: 0].
     #[arg(long, value_name = "STOPS", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<f32>,
-    /// Tone mapping of the displayed picture, .png and .jpg included [default: clamp].
-    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>())]
+    /// Tone mapping of .png, .jpg and display.
+    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>(), hide_possible_values = true, long_help = one_of::<Operator>("Tone mapping of .png, .jpg and display"))]
     pub tone: Option<Operator>,
     #[command(flatten)]
     pub methods: MethodArgs,
-    /// Features that the pipeline is compiled for; it does not change the picture [default: needed].
-    #[arg(long, value_name = "PIPELINE", value_parser = choice::<PipelineChoice>())]
+    /// Features that the pipeline is compiled for, with the same picture.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<PipelineChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<PipelineChoice>("Features that the pipeline is compiled for, with the same picture"))]
     pub pipeline: Option<PipelineChoice>,
 }
 

@@ -98,7 +98,7 @@ fn style(template: &str) -> ProgressStyle {
 }
 
 /// The text behind the bar, at `done` of `expected` pixel samples, `had` of them by an earlier run; `pixels`
-/// of them are a sample of the picture.
+/// of them are a pass.
 fn figures(
     [had, done]: [u64; 2],
     pixels: u64,

@@ -4,7 +4,7 @@
 //! For: [`write()`].
 
 use crate::math::MISS;
-use crate::measure::ray_sets::Prepared;
+use crate::measure::ray_sets::RaysWithHits;
 use crate::output::{Existing, OutputError, write_atomically};
 use crate::scene::Scene;
 use std::io::{self, Write};
@@ -14,12 +14,12 @@ const RAYS: &[u8; 8] = b"OCTRAYS1";
 const TRIANGLES: &[u8; 8] = b"OCTRITR1";
 
 /// Writes all files into a folder.
-pub fn write(folder: &Path, scene: &Scene, rays: &[Prepared]) -> Result<(), OutputError> {
+pub fn write(folder: &Path, scene: &Scene, rays: &[RaysWithHits]) -> Result<(), OutputError> {
     rays.iter().try_for_each(|rays| write_rays(folder, rays))?;
     write_triangles(folder, scene)
 }
 
-fn write_rays(folder: &Path, Prepared { set, nearest }: &Prepared) -> Result<(), OutputError> {
+fn write_rays(folder: &Path, RaysWithHits { set, nearest }: &RaysWithHits) -> Result<(), OutputError> {
     let path = folder.join(format!("{}.rays", set.kind.name()));
     write_atomically(&path, Existing::Replace, |file| {
         head(file, RAYS, set.len())?;

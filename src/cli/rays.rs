@@ -1,7 +1,7 @@
 //! `octray rays`: rays per second, by kind of ray and traversal.
 
 use super::error::{CliError, checked};
-use super::groups::{SCENE, choice};
+use super::groups::{SCENE, choice, one_of};
 use super::numbers::{seed, size, threads, whole};
 use super::ray_dump;
 use super::scenes;
@@ -9,7 +9,7 @@ use super::terminal::{self, Printer};
 use crate::bvh::check::check_scene;
 use crate::machine;
 use crate::measure::rays;
-use crate::measure::trace::{PreparedScene, TraceMethod, TracePool};
+use crate::measure::trace::{AccelerationStructures, TraceMethod, TracePool};
 use crate::output;
 use crate::report::rays::{Report, heading, meaning, rows, warning};
 use crate::report::settings::RunSettings;
@@ -33,8 +33,8 @@ const MAX_RAYS: u32 = 1 << 23;
 ///
 /// Three kinds: primary rays from a camera that sees the whole scene (blocks of 4×4 pixels), one shadow ray
 /// from each of their hits (cosine-weighted, a quarter of the scene's diagonal long, any hit), and one
-/// diffuse ray from each (cosine-weighted, nearest hit). They are traced from prepared arrays, whose
-/// preparation is not timed. All traversals are measured in alternation.
+/// diffuse ray from each (cosine-weighted, nearest hit). Making the rays is not
+/// timed. All traversals are measured in alternation.
 ///
 /// Columns: lanes: rays traced at a time. Mray/s: millions of rays per second on one thread (or --threads)
 /// and on all cores, the median, and in brackets from 10 to 90 % of the passes. × scalar: over one scalar ray
@@ -53,11 +53,10 @@ pub struct Options {
     /// Print the figures as JSON (schema octray-rays-1).
     #[arg(long)]
     json: bool,
-    /// Trace all rays once more without timing, and print box, triangle and sphere tests per ray.
+    /// Trace once more, not timed: box, triangle and sphere tests per ray.
     #[arg(long)]
     stats: bool,
-    /// Write rays, nearest hits and triangles into this folder, for other programs to trace; perf/README.md
-    /// describes the format.
+    /// Write rays, nearest hits and triangles; see perf/README.md.
     #[arg(long, value_name = "DIR")]
     dump: Option<PathBuf>,
     /// Pixels, one primary ray each.
@@ -66,11 +65,10 @@ pub struct Options {
     /// Worker threads [default: one, and once more all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Measure this traversal only; `needed` measures all that suit the kind of rays.
-    #[arg(long, value_name = "TRAVERSAL", default_value = TraversalChoice::default().name(), value_parser = choice::<TraversalChoice>())]
+    /// Measure this traversal only; auto: all that suit the rays.
+    #[arg(long, value_name = "METHOD", default_value = TraversalChoice::default().name(), value_parser = choice::<TraversalChoice>(), hide_possible_values = true, hide_default_value = true, long_help = one_of::<TraversalChoice>("Measure one traversal; auto measures all that suit the kind of rays"))]
     traversal: TraversalChoice,
-    /// Measured passes for each traversal [default: at least 10, and as many as fit into a second for each
-    /// kind of ray].
+    /// Measured passes [default: at least 10, and as many as a second holds].
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_PASSES>, allow_hyphen_values = true)]
     passes: Option<u32>,
     /// Seed of the random numbers.
@@ -149,10 +147,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let defaults = RunSettings { lanes, ..Options::parse_from(["rays", ""]).run_settings() };
     out.text(&heading(&report, &defaults))?;
 
-    let prepared_scene = PreparedScene::new(&scene, hierarchy);
+    let structures = AccelerationStructures::new(&scene, hierarchy);
     let pools: Vec<TracePool> = threads.into_iter().map(TracePool::new).collect();
     let largest = pools.iter().max_by_key(|pool| pool.threads()).expect("there is a pool");
-    let sets = rays::prepare(&scene, &camera, &prepared_scene, largest, options.size, options.seed);
+    let sets = rays::prepare(&scene, &camera, &structures, largest, options.size, options.seed);
     if let Some(folder) = &options.dump {
         if !scene.spheres.is_empty() {
             terminal::warn("the dump holds no spheres: other programs cannot find the hits on them");
@@ -168,11 +166,11 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
                 prepared.set.kind.name()
             ));
         }
-        let results = rays::measure(&prepared_scene, prepared, &ways, &pools, options.passes);
+        let results = rays::measure(&structures, prepared, &ways, &pools, options.passes);
         out.text(&rows(&results))?;
         report.results.extend(results);
         if let Some(stats) = &mut report.stats {
-            stats.extend(rays::count(&prepared_scene, prepared, &ways));
+            stats.extend(rays::count(&structures, prepared, &ways));
         }
     }
     out.text(&meaning(&report))?;

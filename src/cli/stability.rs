@@ -5,7 +5,7 @@ use super::interrupt;
 use super::progress;
 use super::terminal::Printer;
 use crate::machine::Machine;
-use crate::measure::stability::{self, Effort, Recipe, recipes};
+use crate::measure::stability::{self, Effort, TestCase, test_cases};
 use crate::output::{self, Existing};
 use crate::report::stability::{Report, drawings, table, verdict};
 use clap::builder::PossibleValuesParser;
@@ -16,13 +16,13 @@ const JSON: &str = "stability.json";
 
 /// Measure where methods fail.
 ///
-/// Runs every method on cases that are numerically difficult: intersection of spheres, triangles and boxes,
-/// offsets of rays that leave surfaces, texture lookup, scattering, light sampling, sums of samples, cameras
-/// and whole scenes; far away, huge, tiny, at edges, in the planes of faces, close to each other. All methods
-/// get the same cases and are compared with double precision. The verdict comes first, then a table a recipe:
-/// failure rates and errors by distance, scale or shape. The seeds are fixed: the figures are the same in
-/// every run and on any number of threads, and differ slightly between builds with and without FMA. Exits
-/// with 1 if a default method exceeds its bounds. All recipes together take about half a minute on two cores.
+/// Runs every method on test cases that are numerically difficult: intersection of spheres, triangles and
+/// boxes, offsets of spawned rays, texture lookup, scattering, light sampling, sums of samples, cameras and
+/// whole scenes; far away, huge, tiny, at edges, in the planes of faces, close to each other. All methods get
+/// the same inputs and are compared with double precision. The verdict comes first, then a table a test case:
+/// failure rates and errors by distance, scale or shape. Seeds are fixed: the figures are the same in every
+/// run on any number of threads, and differ slightly between builds with and without FMA. Exits with 1 if a
+/// default method exceeds its bounds. All test cases take half a minute on two cores.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Examples:
   octray stability
@@ -32,15 +32,21 @@ pub struct Options {
     /// Print the figures as JSON (schema octray-stability-1).
     #[arg(long)]
     json: bool,
-    /// Also write the JSON and a chart of each recipe (SVG) into this folder; created if it does not exist.
+    /// Also write the JSON and a chart of each test case (SVG) into this folder.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Try ten times as many cases, millions, for failures that are rarer; some five minutes on two cores.
+    /// Try ten times as many inputs, for rarer failures; five minutes on two cores.
     #[arg(long)]
     thorough: bool,
-    /// Run these recipes only.
-    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = PossibleValuesParser::new(recipes().map(|recipe| recipe.name)))]
+    /// Run these test cases only.
+    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = PossibleValuesParser::new(test_cases().map(|test_case| test_case.name)), hide_possible_values = true, long_help = only())]
     only: Vec<String>,
+}
+
+/// The help of `--only`.
+fn only() -> String {
+    let names: Vec<&str> = test_cases().map(|test_case| test_case.name).collect();
+    format!("Run these test cases only: {}", names.join(", "))
 }
 
 /// Runs the command.
@@ -49,27 +55,28 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         output::make_folder(folder)?;
         output::check(&folder.join(JSON), Existing::Replace)?;
     }
-    interrupt::end_with("Ctrl-C: figures come when all recipes are done; --only names a few.");
-    let is_wanted =
-        |recipe: &&Recipe| options.only.is_empty() || options.only.iter().any(|name| name == recipe.name);
-    let recipes: Vec<&Recipe> = recipes().filter(is_wanted).collect();
+    interrupt::end_with("Ctrl-C: figures come when all test cases are done; --only names a few.");
+    let is_wanted = |test_case: &&TestCase| {
+        options.only.is_empty() || options.only.iter().any(|name| name == test_case.name)
+    };
+    let test_cases: Vec<&TestCase> = test_cases().filter(is_wanted).collect();
     let effort = if options.thorough { Effort::THOROUGH } else { Effort::STANDARD };
-    let tasks = progress::tasks(recipes.iter().map(|recipe| recipe.points()).sum());
-    let recipes = stability::run(&recipes, effort, &|| tasks.inc(1));
+    let tasks = progress::tasks(test_cases.iter().map(|test_case| test_case.points()).sum());
+    let test_cases = stability::run(&test_cases, effort, &|| tasks.inc(1));
     tasks.finish_and_clear();
     let report = Report {
         schema: "octray-stability-1",
         machine: Machine::current(),
         thorough: options.thorough,
-        holds: recipes.iter().all(|outcome| outcome.holds),
-        recipes,
+        holds: test_cases.iter().all(|outcome| outcome.holds),
+        test_cases,
     };
     if let Some(folder) = &options.output {
         write(folder, &report)?;
     }
     let out = Printer { json: options.json };
     out.text(&format!("{}\n\n{}", report.machine, verdict(&report)))?;
-    report.recipes.iter().try_for_each(|outcome| out.text(&table(outcome)))?;
+    report.test_cases.iter().try_for_each(|outcome| out.text(&table(outcome)))?;
     if let Some(folder) = &options.output {
         out.text(&format!("\nCharts and {JSON} are in {}.\n", folder.display()))?;
     }
@@ -78,7 +85,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 }
 
 fn write(folder: &Path, report: &Report) -> Result<(), CliError> {
-    for drawing in report.recipes.iter().flat_map(drawings) {
+    for drawing in report.test_cases.iter().flat_map(drawings) {
         output::save_text(&folder.join(format!("{}.svg", drawing.name)), &drawing.svg)?;
     }
     Ok(output::save_json(&folder.join(JSON), report)?)

@@ -25,27 +25,26 @@ const MAX_FPS: u32 = 1_000;
 
 /// Walk through scenes in a terminal or, in builds with it, a window.
 ///
-/// The picture accumulates samples while the camera stands still, up to 65,536 per pixel: after N of them it
-/// has the bits of `octray render --samples N`. While the camera moves, earlier frames are reprojected. Where
-/// the window has room, it shows each pixel larger. Scenes can be dropped on the window. A scene whose files
+/// While the camera stands, samples accumulate, up to 65,536 per pixel: after N of them the picture has the
+/// bits of `octray render --samples N`. While it moves, earlier frames are reprojected. A scene whose files
 /// change is loaded again; if it cannot be read, the old one stays and the reason is shown.
 ///
-/// Two rates are shown: frames per second of the screen, at most the display's, and samples per second of the
-/// renderer alone, which are the fps of `octray bench` with the same scene, size, bounces, lanes and threads.
+/// Two rates are shown: frames per second of the screen, at most the display's, and passes per second of the
+/// renderer alone, which are the fps of `octray bench` with the same settings.
 ///
-/// A build with --features window opens a window. Others, and --terminal, draw with half-block characters in
-/// true colour, which needs no display and takes the same keys except Shift, Ctrl and mouse movement. Ctrl-C
-/// ends the viewer, with exit code 0.
+/// A build with --features window opens a window, onto which scenes can be dropped. Others, and --terminal,
+/// draw with half-block characters in true colour, which needs no display and takes the same keys except
+/// Shift, Ctrl and mouse movement. Ctrl-C ends the viewer, with exit code 0.
 #[derive(Debug, clap::Parser)]
-#[command(after_help = after_help())]
+#[command(after_long_help = after_help())]
 pub struct Options {
-    /// Scene files, models, folders of them, or builtin:NAME; the built-in scenes if none is given.
+    /// Scene files, models, folders of them, or builtin:NAME [default: the built-in scenes].
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
     /// Draw in this terminal instead of a window.
     #[arg(long)]
     terminal: bool,
-    /// Keep at least so many frames per second, with coarser pixels where necessary.
+    /// Keep so many frames per second, with coarser pixels if necessary.
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_FPS>, allow_hyphen_values = true)]
     target_fps: Option<u32>,
     /// The folder for screenshots.
@@ -54,7 +53,7 @@ pub struct Options {
     /// End after so many frames.
     #[arg(long, value_name = "N", value_parser = whole::<1, { u32::MAX }>, allow_hyphen_values = true)]
     frames: Option<u32>,
-    /// At the end, print frame rates and times as JSON (schema octray-window-1).
+    /// At the end, print rates and times as JSON (schema octray-window-1).
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -114,9 +113,9 @@ struct Report {
     /// Frames presented, in all and per second.
     frames: u64,
     fps: f64,
-    /// Samples of whole pictures, in all, and per second of rendering alone, as `bench` counts fps.
-    samples: f64,
-    samples_per_s: f64,
+    /// Passes over the frame, in all, and per second of rendering alone, as `bench` counts fps.
+    passes: f64,
+    passes_per_s: f64,
     /// Shares of the engine's time in which samples were taken and frames painted.
     tracing_share: f64,
     painting_share: f64,
@@ -143,8 +142,8 @@ impl Report {
             front_end: if presented.is_some() { "window" } else { "terminal" },
             frames: summary.frames,
             fps: summary.frames as f64 / elapsed,
-            samples: summary.samples,
-            samples_per_s: summary.samples / summary.tracing.as_secs_f64().max(1e-9),
+            passes: summary.passes,
+            passes_per_s: summary.passes / summary.tracing.as_secs_f64().max(1e-9),
             tracing_share: summary.tracing.as_secs_f64() / elapsed,
             painting_share: summary.painting.as_secs_f64() / elapsed,
             painting_ms: summary.painting.as_secs_f64() * 1e3 / frames,
@@ -158,10 +157,10 @@ impl Report {
     fn line(&self) -> String {
         let presenting = self.presenting_ms.map(|ms| format!(", presenting {} ms", figure(ms, 2)));
         format!(
-            "{}, {} fps; {} samples/s; painting a frame {} ms{}\n",
+            "{}, {} fps; {} passes/s; painting a frame {} ms{}\n",
             counted(self.frames, "frame", "frames"),
             figure(self.fps, 0),
-            figure(self.samples_per_s, 0),
+            figure(self.passes_per_s, 0),
             figure(self.painting_ms, 2),
             presenting.unwrap_or_default()
         )

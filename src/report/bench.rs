@@ -119,7 +119,7 @@ const NOTHING: &str = "–";
 
 /// The widths of the table's columns: the scene, a column a width, and the rest.
 fn widths() -> Vec<isize> {
-    [&[-24][..], &vec![16; WIDTHS.len()], &[16, 7, 8, 8, 9]].concat()
+    [&[-24][..], &vec![15; WIDTHS.len()], &[15, 7, 10, 11, 8]].concat()
 }
 
 /// What stands above the rows of scenes.
@@ -132,7 +132,7 @@ pub fn heading(Report { settings, .. }: &Report, defaults: &RunSettings) -> Stri
     };
     let names = std::iter::once("scene".into())
         .chain(WIDTHS.into_iter().rev().map(engine))
-        .chain(["all cores", "Mray/s", "pixels≠", "hits≠", "rmse"].map(String::from));
+        .chain(["all cores", "Mray/s", "differing", "wrong hits", "rmse"].map(String::from));
     format!(
         "{}\n\
          {}{size}, 1 sample a frame, {bounces}, {}\n\
@@ -169,7 +169,11 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
 
 /// Frames per second, in thousands (k) where a column would be too narrow.
 fn rate(fps: f64) -> String {
-    if fps < 100_000.0 { figure(fps, 0) } else { figure(fps / 1_000.0, 0) + "k" }
+    match fps {
+        ..10_000.0 => figure(fps, 0),
+        ..100_000.0 => figure(fps / 1_000.0, 1) + "k",
+        _ => figure(fps / 1_000.0, 0) + "k",
+    }
 }
 
 type RatioOf = fn(&Measurement) -> Option<Ratio>;
@@ -178,9 +182,9 @@ const RATIOS: [(&str, &str, RatioOf); 3] = [
     ("speed-up", "SIMD over scalar", |result| result.speedup),
     ("scaling", "all cores over one", |result| result.scaling),
     (
-        "over general",
+        "specialisation",
         "over the pipeline with every feature, where the scene does not use that one",
-        |result| result.over_general,
+        |result| result.specialisation,
     ),
 ];
 
@@ -358,8 +362,8 @@ mod tests {
             scaling: None,
             needs: Vec::new(),
             traversal: "linear",
-            pipeline: "needed",
-            over_general: None,
+            pipeline: "auto",
+            specialisation: None,
             stats: None,
         }
     }
@@ -387,7 +391,7 @@ mod tests {
     fn ratios_stand_below_their_names_in_a_row_for_each_scene() {
         // Two engines of two scenes that have one name.
         let engines = |speedup, scaling| {
-            let first = Measurement { speedup, over_general: times(1.5), ..result("same", 99, 90.0) };
+            let first = Measurement { speedup, specialisation: times(1.5), ..result("same", 99, 90.0) };
             [first, Measurement { scaling, threads: 4, ..result("same", 99, 90.0) }]
         };
         let mut report = Report {
@@ -398,7 +402,7 @@ mod tests {
         let rows = ratios(&report);
         let rows: Vec<Vec<&str>> =
             rows.lines().skip_while(|line| !line.starts_with("scene ")).map(words).collect();
-        assert_eq!(rows[0], ["scene", "speed-up", "scaling", "over", "general"]);
+        assert_eq!(rows[0], ["scene", "speed-up", "scaling", "specialisation"]);
         assert_eq!(rows[1], ["same", "7.00×", "(6.75–7.50)", "2.00×", "(1.75–2.50)", "1.50×", "(1.25–2.00)"]);
         assert_eq!(rows[2], ["same", "6.00×", "(5.75–6.50)", "–", "1.50×", "(1.25–2.00)"]);
         assert_eq!(rows.len(), 3);
@@ -429,12 +433,12 @@ mod tests {
             fps_median,
             ..result("scene", 99, 10.0)
         };
-        let engines = [engine(8, 1, 99_999.0), engine(1, 1, 40.0), engine(8, 2, 1_386_600.0)];
+        let engines = [engine(8, 1, 12_345.0), engine(1, 1, 40.0), engine(8, 2, 1_386_600.0)];
         let row = row(&engines, &equal_pictures());
         let cells = words(&row).into_iter().rev().collect::<Vec<_>>();
         assert_eq!(cells[..4], ["0.0e0", "0", "0", "1.0"], "{row}");
         assert_eq!(cells[4..8], ["(10)", "1,387k", "(10)", "40"], "{row}");
-        assert_eq!(cells[8..10], ["(10)", "99,999"], "{row}");
+        assert_eq!(cells[8..10], ["(10)", "12.3k"], "{row}");
     }
 
     #[test]

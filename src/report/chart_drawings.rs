@@ -50,7 +50,7 @@ fn number(configuration: &str) -> usize {
 
 /// Error against time on a scene: a panel for each group of configurations.
 fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
-    let unit = scene.default_sample_s;
+    let unit = scene.default_pass_s;
     let lines = &scene.pictures;
     let front = front_points(lines, error);
     let of = |group: Option<Group>| {
@@ -76,7 +76,7 @@ fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
     Figure {
         title: format!("{}: error against time", scene.scene),
         notes,
-        x: format!("time, × one sample of the default ({} ms)", figure(1e3 * unit, 2)),
+        x: format!("time, × one pass of the default ({} ms)", figure(1e3 * unit, 2)),
         y: y.into(),
         panels: panels.collect(),
     }
@@ -157,7 +157,7 @@ fn frames(scene: &SceneChart) -> Figure {
     let (threads, seeds) = scene.frames.first().map_or((1, 0), |frames| (frames.threads, frames.seeds));
     let notes = vec![
         size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-        "Numbers: frames of one sample per second.".into(),
+        "Numbers: passes (one sample per pixel) per second.".into(),
     ];
     of_frames(scene, "accumulation in a window", notes, "seconds of accumulation".into(), lines.collect())
 }
@@ -184,7 +184,7 @@ fn display(scene: &SceneChart) -> Figure {
         size_and(scene, threads, &counted(seeds, "seed", "seeds")),
         "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.".into(),
     ];
-    let x = format!("time, × rendering one sample ({} ms)", figure(unit, 2));
+    let x = format!("time, × rendering one pass ({} ms)", figure(unit, 2));
     let lines = display::FILTERS.iter().enumerate().map(line).collect();
     of_frames(scene, "a picture with display filters", notes, x, lines)
 }
@@ -212,7 +212,13 @@ fn motion(scene: &SceneChart) -> Figure {
         "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.".into(),
     ];
     let lines = CameraPath::ALL.into_iter().enumerate().map(line).collect();
-    of_frames(scene, "one sample a frame, in motion", notes, "time of a frame, × rendering it".into(), lines)
+    of_frames(
+        scene,
+        "one sample per pixel a frame, in motion",
+        notes,
+        "time of a frame, × rendering it".into(),
+        lines,
+    )
 }
 
 /// RMSE in one plane.
@@ -270,7 +276,7 @@ mod tests {
             size: [1, 1],
             frame_size: [3, 3],
             truth,
-            default_sample_s: pictures::sample_time(&pictures[0]),
+            default_pass_s: pictures::pass_time(&pictures[0]),
             pictures,
             frames: Vec::new(),
             display: Vec::new(),

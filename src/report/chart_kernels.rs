@@ -5,7 +5,7 @@
 use super::dots::{Column, DotTable};
 use super::drawing::Drawing;
 use super::numbers::{figure, percent};
-use crate::measure::chart::kernels::{Case, EFFORT, Kernel};
+use crate::measure::chart::kernels::{CaseAt, EFFORT, Kernel};
 use crate::wording::grouped;
 
 /// A drawing for each family of methods.
@@ -37,15 +37,15 @@ fn of_family(family: &str, kernels: &[Kernel]) -> DotTable {
     let mut columns = vec![cost(widest)];
     columns.extend((widest > 1).then(|| cost(1)));
     columns.push(log("failures", &|kernel| Some((100.0 * kernel.failures, percent(kernel.failures)))));
-    let (recipe, place) = (failure_case.recipe, grouped(failure_case.place));
+    let (test_case, place) = (failure_case.test_case, grouped(failure_case.place));
     let mut notes = vec![format!(
-        "Cost: one ray against one primitive, over the default's. Failures: {} of stability recipe {recipe} at {place}.",
+        "Cost: one ray against one primitive, over the default's. Failures: {} of stability test case {test_case} at {place}.",
         percent(EFFORT.0)
     )];
-    if let Some(Case { recipe, place }) = error_case {
+    if let Some(CaseAt { test_case, place }) = error_case {
         let place = grouped(place);
         notes.push(format!(
-            "Error: of t where no method failed, 99th percentile; recipe {recipe} at {place}."
+            "Error: of t where no method failed, 99th percentile; test case {test_case} at {place}."
         ));
         columns.push(log("error of t", &|kernel| kernel.p99.map(|p99| (p99, scientific(p99)))));
     }
@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn costs_are_ratios_to_the_default_at_the_same_width() {
-        let case = Case { recipe: "r", place: 1.0 };
+        let case = CaseAt { test_case: "r", place: 1.0 };
         let of = |method, lanes, ns| Kernel {
             family: "box",
             method,

@@ -161,8 +161,8 @@ impl Inspection {
         self.hierarchy.as_ref().is_none_or(HierarchyReport::is_valid)
     }
 
-    /// One line a fact: its name, and the fact.
-    fn lines(&self) -> Vec<(&'static str, String)> {
+    /// One line a fact: its name, and the fact; with `why`, the reasons for methods.
+    fn lines(&self, why: bool) -> Vec<(&'static str, String)> {
         let [width, height] = self.resolution;
         let smooth = match self.smooth_triangles {
             0 => String::new(),
@@ -193,16 +193,19 @@ impl Inspection {
         lines.push(("needs", self.needs.join(", ")));
         lines.push(("lights", self.lights.text()));
         lines.push(("memory", bytes(self.memory_bytes as u64)));
-        lines.extend(self.traversal.lines());
-        lines.extend(self.defaults.iter().map(|default| ("default", default.text())));
+        lines.push(("traversal", self.traversal.text()));
+        if why {
+            lines.push(("why", self.traversal.why()));
+            lines.extend(self.defaults.iter().map(|default| ("default", default.text())));
+        }
         lines.extend(self.hierarchy.as_ref().map(|hierarchy| ("hierarchy", hierarchy.text())));
         lines.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
         lines
     }
 
-    /// The report for people.
-    pub fn text(&self) -> String {
-        self.lines().into_iter().map(|(name, value)| item(name, 11, &value)).collect()
+    /// The report for people, with or without the reasons for methods.
+    pub fn text(&self, why: bool) -> String {
+        self.lines(why).into_iter().map(|(name, value)| item(name, 11, &value)).collect()
     }
 }
 
@@ -249,7 +252,7 @@ pub fn type_of(kind: MaterialKind) -> &'static str {
         MaterialKind::Diffuse => "diffuse",
         MaterialKind::Metal { .. } => "metal",
         MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => "glass",
-        MaterialKind::Scatter { .. } => "scatter",
+        MaterialKind::FuzzyMirror { .. } => "scatter",
         MaterialKind::Plastic { .. } => "plastic",
         MaterialKind::MetalRough { .. } => "metal-rough",
         MaterialKind::Emitter => "emitter",

@@ -62,9 +62,12 @@ impl TraversalReport {
         self.primary != TraceMethod::Linear.name()
     }
 
-    /// One line a fact: its name, and the fact.
-    pub fn lines(&self) -> [(&'static str, String); 2] {
-        let Self { primary, bounces, linear_cost, most_linear_cost } = self;
+    pub fn text(&self) -> String {
+        format!("{} for primary rays, {} for bounces", self.primary, self.bounces)
+    }
+
+    pub fn why(&self) -> String {
+        let Self { linear_cost, most_linear_cost, .. } = self;
         let (relation, faster) = match linear_cost > most_linear_cost {
             true => ("above", "a hierarchy is faster"),
             false => ("up to", "that is faster than a hierarchy"),
@@ -74,8 +77,7 @@ impl TraversalReport {
             grouped(*linear_cost),
             TRIANGLE_COST
         );
-        let why = format!("{cost}; {relation} {most_linear_cost}, {faster}");
-        [("traversal", format!("{primary} for primary rays, {bounces} for bounces")), ("why", why)]
+        format!("{cost}; {relation} {most_linear_cost}, {faster}")
     }
 }
 
@@ -164,7 +166,7 @@ impl DefaultReport {
             (
                 true,
                 "pipeline",
-                "needed",
+                "auto",
                 "it is compiled for the smallest set of features that holds the scene's; the picture stays the same",
             ),
         ];

@@ -60,7 +60,7 @@ const WORDS: [(&str, &str); 14] = [
     ("on the front", "no robust configuration has a smaller error in the same time, by the medians"),
     ("p99", "the error of t that 99 % of the cases stay below"),
     ("failures", "the share of the cases that fail"),
-    ("fps", "frames of one sample per second"),
+    ("fps", "passes (one sample per pixel) per second"),
     ("times lower", "how many times lower the error is than that of the unfiltered frame"),
     ("–", "unknown: of errors, below that of the ground truth"),
     ("FXAA", "a filter that smooths the edges of a displayed picture (Lottes 2009)"),

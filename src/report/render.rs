@@ -136,7 +136,7 @@ impl Report {
         let by = match self.ended_by {
             End::Samples => "the limit of samples",
             End::TargetError => "the target error",
-            End::TimeLimit if self.samples == 0 => "the time limit, too short for a sample of every pixel",
+            End::TimeLimit if self.samples == 0 => "the time limit, too short for one pass",
             End::TimeLimit
                 if self.time_limit.is_some_and(|limit| limit < self.seconds) && self.samples == 1 =>
             {

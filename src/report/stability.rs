@@ -1,4 +1,5 @@
-//! What `octray stability` reports: tables, JSON, and drawings of failures and errors along a recipe's axis.
+//! What `octray stability` reports: tables, JSON, and drawings of failures and errors along a test case's
+//! axis.
 //!
 //! For: [`Report`], [`table`], [`verdict`], [`drawings`].
 
@@ -7,7 +8,7 @@ use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::percent;
 use super::text::row;
 use crate::machine::Machine;
-use crate::measure::stability::{Bound, Curve, Outcome, Point, Recipe};
+use crate::measure::stability::{Bound, Curve, Outcome, Point, TestCase};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
@@ -19,22 +20,22 @@ pub struct Report {
     pub schema: &'static str,
     /// What the program was built for: failures depend on fused multiply-add.
     pub machine: Machine,
-    /// Were ten times as many cases tried?
+    /// Were ten times as many inputs tried?
     pub thorough: bool,
-    /// Do the default methods keep their bounds in all recipes?
+    /// Do the default methods keep their bounds in all test cases?
     pub holds: bool,
     /// In the order of the list.
-    pub recipes: Vec<Outcome>,
+    pub test_cases: Vec<Outcome>,
 }
 
 /// Width of the column of names, and of those of figures.
 const NAME: isize = -28;
 const FIGURE: usize = 8;
 
-/// A recipe: a row a method for its failures, and a second row for its error where that is measured.
+/// A test case: a row a method for its failures, and a second row for its error where that is measured.
 pub fn table(outcome: &Outcome) -> String {
-    let Outcome { recipe, curves, .. } = outcome;
-    let Recipe { name, title, axis, failure, error, .. } = recipe;
+    let Outcome { test_case, curves, .. } = outcome;
+    let TestCase { name, title, axis, failure, error, .. } = test_case;
     let mut text = format!("\n{name}: {title}\n  %: {failure}");
     if let Some(error) = error {
         let _ = write!(text, "; below it {error}, 99th percentile");
@@ -79,22 +80,26 @@ fn place(x: f64) -> String {
 
 /// The tables in words.
 pub fn verdict(report: &Report) -> String {
-    let failed: Vec<&str> =
-        report.recipes.iter().filter(|outcome| !outcome.holds).map(|outcome| outcome.recipe.name).collect();
+    let failed: Vec<&str> = report
+        .test_cases
+        .iter()
+        .filter(|outcome| !outcome.holds)
+        .map(|outcome| outcome.test_case.name)
+        .collect();
     match failed[..] {
         [] => format!(
             "The default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
-            counted(report.recipes.len(), "recipe", "recipes")
+            counted(report.test_cases.len(), "test case", "test cases")
         ),
         _ => format!("THE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),
     }
 }
 
-/// The drawings of a recipe: failures, and errors where they are measured.
+/// The drawings of a test case: failures, and errors where they are measured.
 pub fn drawings(outcome: &Outcome) -> Vec<Drawing> {
-    let failures = Drawing { name: outcome.recipe.name.to_string(), svg: failures(outcome).svg() };
-    let errors = outcome.recipe.error.map(|error| Drawing {
-        name: format!("{}-error", outcome.recipe.name),
+    let failures = Drawing { name: outcome.test_case.name.to_string(), svg: failures(outcome).svg() };
+    let errors = outcome.test_case.error.map(|error| Drawing {
+        name: format!("{}-error", outcome.test_case.name),
         svg: errors(outcome, error).svg(),
     });
     std::iter::once(failures).chain(errors).collect()
@@ -103,8 +108,8 @@ pub fn drawings(outcome: &Outcome) -> Vec<Drawing> {
 fn failures(outcome: &Outcome) -> Figure {
     let tested = outcome.curves.iter().flat_map(|curve| &curve.points).map(|point| point.tested);
     let least = tested.min().unwrap_or(0).max(1);
-    let seen = format!("{} cases a point: one failure is {}.", grouped(least), percent(1.0 / least as f64));
-    let mut notes = vec![format!("Failure: {}.", outcome.recipe.failure), seen];
+    let seen = format!("{} inputs a point: one failure is {}.", grouped(least), percent(1.0 / least as f64));
+    let mut notes = vec![format!("Failure: {}.", outcome.test_case.failure), seen];
     let open = in_order(outcome).flat_map(|curve| &curve.points).filter(|point| point.promises_nothing());
     let open: Vec<String> = open.map(|point| format!("{:e}", point.x)).collect();
     if !open.is_empty() {
@@ -124,8 +129,8 @@ fn errors(outcome: &Outcome, error: &str) -> Figure {
             curve.points.iter().filter_map(move |point| Some((point.x, y(point)?)))
         };
         let points = with(|point| point.p99).map(|(x, p99)| [x, p99]).collect();
-        let spread = with(|point| point.p50).zip(with(|point| point.max));
-        let band = spread.map(|((x, p50), (_, max))| [x, p50, max]);
+        let ends = with(|point| point.p50).zip(with(|point| point.max));
+        let band = ends.map(|((x, p50), (_, max))| [x, p50, max]);
         (points, if curve.default { band.collect() } else { Vec::new() })
     };
     figure(outcome, notes, error, of)
@@ -151,9 +156,9 @@ fn figure(
     };
     let lines = in_order(outcome).enumerate().map(line).collect();
     Figure {
-        title: outcome.recipe.title.to_string(),
+        title: outcome.test_case.title.to_string(),
         notes,
-        x: outcome.recipe.axis.to_string(),
+        x: outcome.test_case.axis.to_string(),
         y: y.to_string(),
         panels: vec![Panel { lines, ..Panel::default() }],
     }
@@ -164,8 +169,8 @@ mod tests {
     use super::*;
 
     /// Two methods at one place, where the default has so many failures.
-    fn recipe(error: Option<&'static str>) -> &'static Recipe {
-        Box::leak(Box::new(Recipe { name: "far", error, ..Recipe::COMMON }))
+    fn test_case(error: Option<&'static str>) -> &'static TestCase {
+        Box::leak(Box::new(TestCase { name: "far", error, ..TestCase::COMMON }))
     }
 
     fn outcome(failures: usize) -> Outcome {
@@ -182,7 +187,7 @@ mod tests {
         let robust = point(failures, Some(1.5e-6));
         let naive = Point { bound: None, ..point(10, None) };
         Outcome {
-            recipe: recipe(Some("|Δt|")),
+            test_case: test_case(Some("|Δt|")),
             holds: robust.holds(),
             curves: vec![
                 Curve { method: "naive", default: false, points: vec![naive] },
@@ -201,15 +206,15 @@ mod tests {
     }
 
     #[test]
-    fn verdict_names_the_recipes_in_which_a_default_fails() {
-        let report = |recipes: Vec<Outcome>| Report {
+    fn verdict_names_the_test_cases_in_which_a_default_fails() {
+        let report = |test_cases: Vec<Outcome>| Report {
             schema: "",
             thorough: false,
             machine: Machine::current(),
-            holds: recipes.iter().all(|outcome| outcome.holds),
-            recipes,
+            holds: test_cases.iter().all(|outcome| outcome.holds),
+            test_cases,
         };
-        assert!(verdict(&report(vec![outcome(0)])).contains("keep their bounds in 1 recipe."));
+        assert!(verdict(&report(vec![outcome(0)])).contains("keep their bounds in 1 test case."));
         assert!(verdict(&report(vec![outcome(0), outcome(1)])).contains("BOUNDS in far."));
     }
 
@@ -233,6 +238,6 @@ mod tests {
         assert_eq!((&failures[1].name[..], failures[1].look), ("naive", Look::Plain));
         assert_eq!((&errors[0].points, errors[1].points.len()), (&vec![[4096.0, 1.5e-6]], 0));
         assert_eq!((errors[0].band.len(), errors[1].band.len()), (1, 0));
-        assert_eq!(drawings(&Outcome { recipe: recipe(None), ..outcome }).len(), 1);
+        assert_eq!(drawings(&Outcome { test_case: test_case(None), ..outcome }).len(), 1);
     }
 }

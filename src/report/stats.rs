@@ -19,8 +19,8 @@ const STAGES: &str = "\
 Stages: nanoseconds per ray of any kind, summed over threads, including the cost of counting; share of all \
 stages. Generate makes the camera's rays; trace finds the hits of these and of all later segments; shade adds \
 emitted light, samples materials and lights; finish adds what the last segments of paths end at.";
-const LANES_IN_USE: &str = "\
-Lanes in use: rays over the lanes of the packets that hold them, and the share of rays after this number of \
+const SIMD_UTILISATION: &str = "\
+SIMD utilisation: rays over the lanes of the packets that hold them, and the share of rays after this number of \
 bounces in all rays. From two bounces on, tiles share packets: more of them with fewer threads.";
 
 /// A table with one column for each of `columns`; `heading` stands above the names of the rows.
@@ -49,7 +49,7 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
             let share = 100.0 * rays / (column.rays as f64).max(1.0);
             format!("{} {share:>5.1} %", grouped(format!("{:.0}", rays / frames)))
         };
-        add(&format!("{} rays a sample", kind.kind), &share);
+        add(&format!("{} rays a pass", kind.kind), &share);
         for (what, of) in KINDS {
             let counted = |column: &FrameStats| of(&column.kinds[at].tests).tests > 0;
             if columns.iter().any(|column| counted(column)) {
@@ -63,11 +63,11 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
         let of = |column: &FrameStats| {
             let lanes = |bounce: &BounceStats| {
                 let share = 100.0 * bounce.rays as f64 / column.rays as f64;
-                format!("{:.1} % {share:>5.1} %", 100.0 * bounce.lanes_in_use)
+                format!("{:.1} % {share:>5.1} %", 100.0 * bounce.simd_utilisation)
             };
             column.bounces.get(bounce).map_or(String::new(), lanes)
         };
-        add(&format!("lanes in use, bounce {bounce}"), &of);
+        add(&format!("SIMD utilisation, bounce {bounce}"), &of);
     }
     if bounces > MOST_BOUNCES {
         let more = counted(bounces - MOST_BOUNCES, "bounce", "bounces");
@@ -78,7 +78,7 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
 
 /// What the tables of [`frames`] mean.
 pub fn meaning_of_frames() -> String {
-    "\n".to_owned() + &[STAGES, LANES_IN_USE, TESTS].map(paragraph).concat()
+    "\n".to_owned() + &[STAGES, SIMD_UTILISATION, TESTS].map(paragraph).concat()
 }
 
 /// A row for each kind of rays and traversal.

@@ -46,7 +46,7 @@ const TABLES: [Table; 5] = [
     (
         "pictures",
         &["scenes", "pictures", "points"],
-        "scene configuration samples *seconds *rmse *relmse *relmse_trimmed *flip on_front default_samples",
+        "scene configuration samples *seconds *rmse *relmse *relmse_trimmed *flip on_front default_passes",
     ),
     (
         "frames",
@@ -67,8 +67,8 @@ const TABLES: [Table; 5] = [
         "kernels",
         &["kernels"],
         "family method default lanes ns ns_p10=ns_spread/0 ns_p90=ns_spread/1 \
-         failures failure_recipe=failure_case/recipe failure_place=failure_case/place \
-         p99 error_recipe=error_case/recipe error_place=error_case/place",
+         failures failure_test_case=failure_case/test_case failure_place=failure_case/place \
+         p99 error_test_case=error_case/test_case error_place=error_case/place",
     ),
 ];
 
@@ -85,7 +85,7 @@ fn csv((_, lists, columns): &Table, chart: &Value) -> String {
     let cells = |row: &Row| -> Vec<String> {
         let of = |column: &str| match column.strip_prefix('*') {
             Some(key) => ["median", "p10", "p90"].map(|part| cell(&row.get(key)[part])).to_vec(),
-            None if column == "default_samples" => vec![default_samples(row)],
+            None if column == "default_passes" => vec![default_passes(row)],
             None => vec![cell(row.get(column.split('=').next_back().unwrap_or(column)))],
         };
         columns.split(' ').flat_map(of).collect()
@@ -100,10 +100,10 @@ fn csv((_, lists, columns): &Table, chart: &Value) -> String {
     String::from_utf8(bytes).expect("all cells are text")
 }
 
-/// The time of a picture in samples of the default.
-fn default_samples(row: &Row) -> String {
-    let [time, sample] = ["seconds/median", "default_sample_s"].map(|path| row.get(path).as_f64());
-    (time.unwrap_or(f64::NAN) / sample.unwrap_or(f64::NAN)).to_string()
+/// The time of a picture in passes of the default.
+fn default_passes(row: &Row) -> String {
+    let [time, pass] = ["seconds/median", "default_pass_s"].map(|path| row.get(path).as_f64());
+    (time.unwrap_or(f64::NAN) / pass.unwrap_or(f64::NAN)).to_string()
 }
 
 fn cell(value: &Value) -> String {
@@ -146,10 +146,10 @@ mod tests {
         });
         let pictures = json!([{ "configuration": "one", "points": [point] }]);
         let scene =
-            json!({ "scene": "three", "default_sample_s": 0.5, "pictures": pictures, "frames": [frames] });
+            json!({ "scene": "three", "default_pass_s": 0.5, "pictures": pictures, "frames": [frames] });
         let kernel = json!({
             "family": "box", "method": "fma", "default": false, "lanes": 8, "ns": 0.5, "ns_spread": [0.25, 0.75],
-            "p99": null, "failures": 0.0625, "error_case": null, "failure_case": { "recipe": "lost", "place": 12.0 },
+            "p99": null, "failures": 0.0625, "error_case": null, "failure_case": { "test_case": "lost", "place": 12.0 },
         });
         let chart = json!({ "seeds": 8, "scenes": [scene], "kernels": [kernel] });
         let of_frames = "scene=three configuration=two, three threads=7 seeds=9 fps=10 fps_p10=9.5 fps_p90=10.25 \
@@ -164,11 +164,11 @@ mod tests {
         );
         let pictures = &named("pictures", &chart)[0];
         assert!(pictures.starts_with("scene=three configuration=one samples=1.5 seconds=2 "), "{pictures}");
-        assert!(pictures.ends_with(" on_front=true default_samples=4"), "{pictures}");
+        assert!(pictures.ends_with(" on_front=true default_passes=4"), "{pictures}");
         assert_eq!(
             named("kernels", &chart),
             ["family=box method=fma default=false lanes=8 ns=0.5 ns_p10=0.25 ns_p90=0.75 failures=0.0625 \
-              failure_recipe=lost failure_place=12 p99= error_recipe= error_place="]
+              failure_test_case=lost failure_place=12 p99= error_test_case= error_place="]
         );
     }
 }

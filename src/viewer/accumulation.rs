@@ -42,23 +42,23 @@ pub struct Accumulation {
     /// When the last frame was published, and when the next one is due.
     last_shown: Instant,
     due: Instant,
-    /// Duration of the last sample of the whole picture, and of painting the last frame.
-    sample_time: Duration,
+    /// Duration of the last pass, and of painting the last frame.
+    pass_time: Duration,
     painting_time: Duration,
     /// When the pose last changed.
     pose_since: Instant,
 }
 
-/// Cancels a sample that is not needed for a frame.
-struct SampleWatch<'a> {
+/// Cancels a pass that is not needed for a frame.
+struct PassWatch<'a> {
     exchange: &'a Exchange,
-    /// Whether the film already has a complete sample. Then this one is cancelled once an event is pending
+    /// Whether the film already has a complete pass. Then this one is cancelled once an event is pending
     /// and a frame is due.
     optional: bool,
     due: Instant,
 }
 
-impl RenderObserver for SampleWatch<'_> {
+impl RenderObserver for PassWatch<'_> {
     fn is_cancelled(&self) -> bool {
         let Exchange { closed, notified, .. } = self.exchange;
         closed.load(Acquire) || (self.optional && notified.load(Acquire) && Instant::now() >= self.due)
@@ -82,7 +82,7 @@ impl Accumulation {
             seed,
             last_shown: now,
             due: now,
-            sample_time: Duration::ZERO,
+            pass_time: Duration::ZERO,
             painting_time: Duration::ZERO,
             pose_since: now,
         }
@@ -142,20 +142,20 @@ impl Accumulation {
             }
             // A resting camera already has a picture to show; a moving one needs this sample.
             let optional = self.progressive && self.film.samples() > 0;
-            let watch = SampleWatch { exchange, optional, due };
+            let watch = PassWatch { exchange, optional, due };
             let (start, before) = (Instant::now(), (self.film.pixel_samples(), self.film.rays()));
             renderer.add_samples_observed(&mut self.film, 1, &watch);
             let time = start.elapsed();
             let pixels = f64::from(self.pose.resolution[0]) * f64::from(self.pose.resolution[1]);
-            let samples = (self.film.pixel_samples() - before.0) as f64 / pixels;
-            self.summary.samples += samples;
+            let passes = (self.film.pixel_samples() - before.0) as f64 / pixels;
+            self.summary.passes += passes;
             self.summary.tracing += time;
             // Not one that was cancelled.
-            if samples == 1.0 {
-                self.rates.sample(renderer.settings().lanes, self.film.rays() - before.1, time);
-                self.sample_time = time;
+            if passes == 1.0 {
+                self.rates.pass(renderer.settings().lanes, self.film.rays() - before.1, time);
+                self.pass_time = time;
             }
-            if exchange.closed.load(Acquire) || Instant::now() + self.sample_time / 2 >= due {
+            if exchange.closed.load(Acquire) || Instant::now() + self.pass_time / 2 >= due {
                 return;
             }
         }
@@ -175,12 +175,12 @@ impl Accumulation {
     /// Lowers the resolution when frames take longer than the target allows, raises it when there is time.
     pub fn adapt_resolution(&mut self, target: Option<u32>) {
         // Without the wait for the display, which no resolution shortens.
-        let needed = self.sample_time + self.painting_time;
+        let needed = self.pass_time + self.painting_time;
         let settled = self.progressive && self.pose_since.elapsed() >= SETTLE_TIME;
         self.resolution.adapt(target, needed, settled);
     }
 
-    /// Completes a partial sample, so that all pixels have the same number of samples, at least one.
+    /// Completes a partial pass, so that all pixels have the same number of samples, at least one.
     pub fn equalize_samples(&mut self, renderer: &Renderer) {
         let uneven = self.film.most_samples().max(1) - self.film.samples();
         renderer.add_samples(&mut self.film, uneven);
@@ -246,7 +246,7 @@ mod tests {
     fn neither_a_delayed_frame_nor_a_settled_picture_changes_the_resolution() {
         let mut accumulation = Test::new([24, 16]).accumulation;
         let hold = |accumulation: &mut Accumulation, ms, times| {
-            accumulation.sample_time = Duration::from_millis(ms);
+            accumulation.pass_time = Duration::from_millis(ms);
             (0..times).for_each(|_| accumulation.adapt_resolution(Some(30)));
             accumulation.resolution.scale
         };

@@ -117,7 +117,7 @@ impl Controls {
         self.threads = if all { 1 } else { (2 * self.threads).min(self.max_threads) };
     }
     pub fn next_traversal(&mut self) {
-        let others = TraversalChoice::all().iter().filter(|&&choice| choice != TraversalChoice::Needed);
+        let others = TraversalChoice::all().iter().filter(|&&choice| choice != TraversalChoice::Auto);
         let all: Vec<_> = iter::once(None).chain(others.copied().map(Some)).collect();
         cycle(&mut self.traversal, &all);
     }

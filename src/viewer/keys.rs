@@ -106,7 +106,7 @@ const TABLE: &[Entry] = &[
     On(Char('l'), Switch(|set| set.scalar = !set.scalar)),
     Help("X", "intersection methods: as requested, robust, naive"),
     On(Char('x'), Switch(|set| cycle(&mut set.preset, &[None, Some(0), Some(1)]))),
-    Help("V", "traversal: needed, linear, scalar, single, packet, stream, hybrid"),
+    Help("V", "traversal: auto, linear, scalar, single, packet, stream, hybrid"),
     On(Char('v'), Switch(Controls::next_traversal)),
     Help("E Q", "brighter, darker"),
     On(Char('e'), Step(|set| set.add_exposure(0.5))),

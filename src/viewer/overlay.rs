@@ -56,14 +56,14 @@ fn write(text: &mut String, input: &FrameInput, state: &State, busy: bool) -> st
         write!(text, ", {warnings} (R reloads)")?;
     }
     writeln!(text, "{}", if busy { ", another is being prepared" } else { "" })?;
-    let ([fps, low], [simd, scalar], mrays) = (rates.fps(), rates.samples, rates.mrays);
+    let ([fps, low], [simd, scalar], mrays) = (rates.fps(), rates.passes, rates.mrays);
     let now = if settings.lanes == 1 { scalar } else { simd };
     match fps > 0.0 {
         true => write!(text, "screen {} fps, 1 % low {}", rate_of(fps), rate_of(low))?,
         false => write!(text, "no frame rate yet")?,
     }
     if let Some(rate) = now {
-        write!(text, " · renderer {} samples/s, {mrays:.1} Mray/s", rate_of(rate))?;
+        write!(text, " · renderer {} passes/s, {mrays:.1} Mray/s", rate_of(rate))?;
     }
     match settings.lanes {
         1 => write!(text, "\nscalar")?,
@@ -73,7 +73,7 @@ fn write(text: &mut String, input: &FrameInput, state: &State, busy: bool) -> st
     match (simd, scalar) {
         (Some(simd), Some(scalar)) => {
             let factor = simd / scalar;
-            write!(text, " · SIMD {}, scalar {} samples/s, {factor:.1}×", rate_of(simd), rate_of(scalar))?;
+            write!(text, " · SIMD {}, scalar {} passes/s, {factor:.1}×", rate_of(simd), rate_of(scalar))?;
         }
         (Some(_), None) => write!(text, " · L measures scalar beside it")?,
         (None, Some(_)) => write!(text, " · L measures SIMD beside it")?,
@@ -143,13 +143,13 @@ mod tests {
         let text = figures(&accumulation, false);
         assert!(text.contains("R reloads)\nno frame rate yet\n8 lanes"), "{text}");
         let rates = &mut accumulation.rates;
-        (rates.samples, rates.mrays) = ([Some(4_000.0), Some(8.0)], 7.5);
+        (rates.passes, rates.mrays) = ([Some(4_000.0), Some(8.0)], 7.5);
         [60.0, 60.0, 0.25].iter().for_each(|fps: &f64| rates.frame(Duration::from_secs_f64(1.0 / fps)));
         let text = figures(&accumulation, true);
         for words in [
             "builtin:three (2 of 2), 1 warning (R reloads), another is being prepared\n",
-            "screen 60 fps, 1 % low 0.25 · renderer 4,000 samples/s, 7.5 Mray/s\n",
-            "8 lanes, 2 threads · SIMD 4,000, scalar 8.0 samples/s, 500.0×\n",
+            "screen 60 fps, 1 % low 0.25 · renderer 4,000 passes/s, 7.5 Mray/s\n",
+            "8 lanes, 2 threads · SIMD 4,000, scalar 8.0 passes/s, 500.0×\n",
             " · 1 sample · 4 bounces · holds 30 fps\n",
         ] {
             assert!(text.contains(words), "{words:?} in {text}");

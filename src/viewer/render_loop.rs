@@ -37,14 +37,14 @@ const JUDGED_SAMPLES: u32 = 16;
 const MAX_WARNINGS: usize = 4;
 
 /// A scene with its renderer.
-type Prepared = (Arc<Loaded>, Renderer);
+type SceneRenderer = (Arc<Loaded>, Renderer);
 
 /// State of the render thread.
 pub struct RenderLoop {
     options: Arc<Options>,
     state: State,
     scene: Arc<Loaded>,
-    loader: Loader<Result<Prepared, SceneError>>,
+    loader: Loader<Result<SceneRenderer, SceneError>>,
     file_watcher: FileWatcher,
     events: Receiver<(Event, Instant)>,
     exchange: Arc<Exchange>,
@@ -114,7 +114,7 @@ impl RenderLoop {
     }
 
     /// Switches to a prepared scene or renderer; `before` are the settings until now.
-    fn install(&mut self, (scene, renderer): Prepared, before: &Settings) -> Renderer {
+    fn install(&mut self, (scene, renderer): SceneRenderer, before: &Settings) -> Renderer {
         if Arc::ptr_eq(&scene, &self.scene) {
             // Rates of both widths are shown side by side only if all other settings are the same.
             let now = renderer.settings();
@@ -157,7 +157,7 @@ impl RenderLoop {
     }
 
     /// Renders frames with one renderer until there is another; `None` if the viewer quits.
-    fn render_frames(&mut self, renderer: &mut Renderer) -> Option<Prepared> {
+    fn render_frames(&mut self, renderer: &mut Renderer) -> Option<SceneRenderer> {
         // The controls that this renderer was last compared with.
         let mut chosen = None;
         loop {

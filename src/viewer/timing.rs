@@ -1,8 +1,8 @@
-//! Frame rates, sample rates and latencies.
+//! Frame rates, pass rates and latencies.
 //!
-//! The *frame rate* is that of the screen, at most the display's. The *sample rate* is the renderer's own:
-//! the time between samples, for painting and for the display, does not count. It is what `octray bench`
-//! calls fps, by the same statistic: one over the median time of a sample of every pixel.
+//! The *frame rate* is that of the screen, at most the display's. The *pass rate* is the renderer's own:
+//! the time between passes, for painting and for the display, does not count. It is what `octray bench`
+//! calls fps, by the same statistic: one over the median time of a pass, one sample of every pixel.
 //!
 //! For: [`RateMeter`], the present rates; [`Summary`], the sums of a run.
 
@@ -11,29 +11,29 @@ use std::time::Duration;
 
 /// Number of frames behind the frame rates.
 const FRAMES: usize = 256;
-/// Tracing time behind a sample rate, unless [`MAX_SAMPLES`] take less.
+/// Tracing time behind a pass rate, unless [`MAX_PASSES`] take less.
 const MIN_TIME: Duration = Duration::from_millis(250);
-/// Most samples behind a sample rate: their times have their memory from the start.
-const MAX_SAMPLES: usize = 1024;
+/// Most passes behind a pass rate: their times have their memory from the start.
+const MAX_PASSES: usize = 1024;
 
-/// Measures frame rates over the last frames, and sample rates by width.
+/// Measures frame rates over the last frames, and pass rates by width.
 #[derive(Clone, Debug)]
 pub struct RateMeter {
     /// Seconds from frame to frame, the newest last.
     frames: VecDeque<f32>,
-    /// Time of each sample since the last rate, and rays of all.
+    /// Time of each pass since the last rate, and rays of all.
     times: Vec<Duration>,
     rays: u64,
-    /// Samples of the whole picture per second of rendering, by width: SIMD, scalar.
-    pub samples: [Option<f64>; 2],
+    /// Passes per second of rendering, by width: SIMD, scalar.
+    pub passes: [Option<f64>; 2],
     /// Millions of rays per second.
     pub mrays: f64,
 }
 
 impl Default for RateMeter {
     fn default() -> Self {
-        let (frames, times) = (VecDeque::with_capacity(FRAMES), Vec::with_capacity(MAX_SAMPLES));
-        Self { frames, times, rays: 0, samples: [None; 2], mrays: 0.0 }
+        let (frames, times) = (VecDeque::with_capacity(FRAMES), Vec::with_capacity(MAX_PASSES));
+        Self { frames, times, rays: 0, passes: [None; 2], mrays: 0.0 }
     }
 }
 
@@ -45,17 +45,17 @@ impl RateMeter {
         }
         self.frames.push_back(after.as_secs_f32());
     }
-    /// Records a sample of the whole picture, taken with packets of `lanes`: all with the same until
+    /// Records a pass with packets of `lanes`: all with the same until
     /// [`Self::switch_width`].
-    pub fn sample(&mut self, lanes: usize, rays: u64, time: Duration) {
+    pub fn pass(&mut self, lanes: usize, rays: u64, time: Duration) {
         self.times.push(time);
         self.rays += rays;
         let count = self.times.len();
-        if count == MAX_SAMPLES || self.times.iter().sum::<Duration>() >= MIN_TIME {
-            // By the median time, so that a sample that was interrupted does not count.
+        if count == MAX_PASSES || self.times.iter().sum::<Duration>() >= MIN_TIME {
+            // By the median time, so that a pass that was interrupted does not count.
             let (_, median, _) = self.times.select_nth_unstable(count / 2);
             let rate = 1.0 / median.as_secs_f64().max(1e-9);
-            self.samples[usize::from(lanes == 1)] = Some(rate);
+            self.passes[usize::from(lanes == 1)] = Some(rate);
             self.mrays = rate * self.rays as f64 / count as f64 / 1e6;
             self.times.clear();
             self.rays = 0;
@@ -65,9 +65,9 @@ impl RateMeter {
     pub fn reset(&mut self) {
         *self = Self::default();
     }
-    /// Discards the frame rates and keeps both widths' sample rates.
+    /// Discards the frame rates and keeps both widths' pass rates.
     pub fn switch_width(&mut self) {
-        *self = Self { samples: self.samples, ..Self::default() };
+        *self = Self { passes: self.passes, ..Self::default() };
     }
     /// Frames per second: the median, and the 1 % low.
     pub fn fps(&self) -> [f64; 2] {
@@ -85,8 +85,8 @@ impl RateMeter {
 pub struct Summary {
     /// Frames published by the render loop.
     pub frames: u64,
-    /// Samples of whole pictures.
-    pub samples: f64,
+    /// Passes: samples per pixel, over all frames.
+    pub passes: f64,
     /// Time spent on tracing.
     pub tracing: Duration,
     /// Time spent on painting frames: filters, tone mapping, text.
@@ -144,34 +144,34 @@ mod tests {
     fn both_widths_have_a_rate_side_by_side() {
         let mut rates = RateMeter::default();
         let take = |lanes, count, ms, rates: &mut RateMeter| {
-            (0..count).for_each(|_| rates.sample(lanes, 20_000, Duration::from_millis(ms)));
+            (0..count).for_each(|_| rates.pass(lanes, 20_000, Duration::from_millis(ms)));
         };
         take(8, 249, 1, &mut rates);
-        assert_eq!(rates.samples, [None, None], "too short a time");
+        assert_eq!(rates.passes, [None, None], "too short a time");
         take(8, 1, 1, &mut rates);
         assert!((rates.mrays - 20.0).abs() < 1e-9);
         rates.switch_width();
         take(1, 50, 5, &mut rates);
-        assert_eq!(rates.samples, [Some(1_000.0), Some(200.0)]);
+        assert_eq!(rates.passes, [Some(1_000.0), Some(200.0)]);
         assert!((rates.mrays - 4.0).abs() < 1e-9);
         rates.reset();
-        assert_eq!(rates.samples, [None; 2]);
+        assert_eq!(rates.passes, [None; 2]);
     }
 
     #[test]
-    fn fast_samples_have_a_rate_within_the_memory_of_the_start() {
+    fn fast_passes_have_a_rate_within_the_memory_of_the_start() {
         let mut rates = RateMeter::default();
-        (0..2 * MAX_SAMPLES).for_each(|_| rates.sample(16, 1_000, Duration::from_micros(10)));
-        assert!(rates.samples[0].is_some_and(|rate| (rate - 100_000.0).abs() < 1e-3));
-        assert_eq!(rates.times.capacity(), MAX_SAMPLES);
+        (0..2 * MAX_PASSES).for_each(|_| rates.pass(16, 1_000, Duration::from_micros(10)));
+        assert!(rates.passes[0].is_some_and(|rate| (rate - 100_000.0).abs() < 1e-3));
+        assert_eq!(rates.times.capacity(), MAX_PASSES);
     }
 
-    /// `bench` takes the median, so a sample that another program delayed must not lower the rate here.
+    /// `bench` takes the median, so a pass that another program delayed must not lower the rate here.
     #[test]
-    fn a_delayed_sample_does_not_change_the_rate() {
+    fn a_delayed_pass_does_not_change_the_rate() {
         let mut rates = RateMeter::default();
-        (0..99).for_each(|_| rates.sample(16, 1_000, Duration::from_millis(1)));
-        rates.sample(16, 1_000, Duration::from_millis(400));
-        assert_eq!(rates.samples, [Some(1_000.0), None]);
+        (0..99).for_each(|_| rates.pass(16, 1_000, Duration::from_millis(1)));
+        rates.pass(16, 1_000, Duration::from_millis(400));
+        assert_eq!(rates.passes, [Some(1_000.0), None]);
     }
 }

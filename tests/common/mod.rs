@@ -15,7 +15,7 @@ pub use octray::reference::{PathSettings, Reference};
 pub use octray::render::{PipelineChoice, Renderer, Settings};
 pub use octray::sampling::Sampler;
 pub use octray::scene::MaterialKind::{
-    Diffuse, Emitter, Glass, Metal, MetalRough, Plastic, Scatter, ThinGlass,
+    Diffuse, Emitter, FuzzyMirror, Glass, Metal, MetalRough, Plastic, ThinGlass,
 };
 pub use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
@@ -62,7 +62,7 @@ pub const KINDS: [MaterialKind; 11] = [
     Glass { ior: 1.5 },
     Glass { ior: 0.7 },
     ThinGlass { ior: 1.5 },
-    Scatter { roughness: 0.8 },
+    FuzzyMirror { roughness: 0.8 },
     Plastic { roughness: 0.0, ior: 1.5 },
     Plastic { roughness: 0.4, ior: 1.8 },
     MetalRough { roughness: 0.0, metallic: 0.3, ior: 1.5 },

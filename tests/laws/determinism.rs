@@ -81,7 +81,7 @@ fn everything_of(triangles: usize) -> Scene {
         Metal { roughness: 0.0 },
         Metal { roughness: 0.4 },
         Glass { ior: 1.5 },
-        Scatter { roughness: 0.7 },
+        FuzzyMirror { roughness: 0.7 },
         Diffuse,
         Diffuse,
         Emitter,
@@ -138,8 +138,8 @@ fn matt_and_mirror() -> Scene {
 /// A handful of spheres and triangles with nearest textures: the thesis's kind of scene.
 fn few_textured() -> Scene {
     let mut rng = Rng(53);
-    let [scatter, metal] = [Scatter { roughness: 1.5 }, Metal { roughness: 0.0 }];
-    let kinds = [Diffuse, scatter, Emitter, metal];
+    let [fuzzy, metal] = [FuzzyMirror { roughness: 1.5 }, Metal { roughness: 0.0 }];
+    let kinds = [Diffuse, fuzzy, Emitter, metal];
     let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
     materials[0].texture = Some(0);
     materials[2].emission = Vec3::splat(2.0);
@@ -434,7 +434,7 @@ fn picture_is_the_same_through_every_traversal() {
         let linear = by(TraversalChoice::Linear, 1);
         let expected = Print::of(&scene, linear, &[4]);
         let through = Traversal::ALL.map(TraversalChoice::Through);
-        for traversal in through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Needed]) {
+        for traversal in through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Auto]) {
             for lanes in WIDTHS {
                 let settings = by(traversal, lanes);
                 Print::of(&scene, settings, &[4]).assert_same(&expected, settings, &[4]);

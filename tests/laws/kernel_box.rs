@@ -197,10 +197,10 @@ fn every_method_gives_packets_the_bits_of_single_rays() {
             let cuboid = Cuboid::random(&mut rng, scale);
             let rays: [Ray<f32>; 16] = std::array::from_fn(|_| aimed(&mut rng, &cuboid, scale));
             let padding = Padding::new(cuboid.extent());
-            let packet = B::prepare(&Ray::<L>::from_lanes(&rays), padding);
+            let packet = B::precalculate(&Ray::<L>::from_lanes(&rays), padding);
             let (near, far) = B::pass(&packet, corner(cuboid.lo), corner(cuboid.hi));
             for (lane, ray) in rays.iter().enumerate().take(L::WIDTH) {
-                let single = B::pass(&B::prepare(ray, padding), corner(cuboid.lo), corner(cuboid.hi));
+                let single = B::pass(&B::precalculate(ray, padding), corner(cuboid.lo), corner(cuboid.hi));
                 assert!(same(near.get(lane), single.0) && same(far.get(lane), single.1), "{ray:?}");
             }
         }

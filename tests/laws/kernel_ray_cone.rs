@@ -47,22 +47,22 @@ fn cones_are_those_of_f64() {
     };
     for _ in 0..8_000 {
         let cosine = sized(&mut rng, [-4.0, 0.0]) * if rng.unit() < 0.5 { -1.0 } else { 1.0 };
-        let [width, spread, t, per_area] =
+        let [width, angle, t, per_area] =
             [[-4.0, 1.0], [-4.0, 0.0], [-2.0, 4.0], [-6.0, 2.0]].map(|range| sized(&mut rng, range));
-        let area = footprint(Cone { width, spread }.width_at(t), cosine, per_area);
-        let [width, spread, t, cosine, per_area] = [width, spread, t, cosine, per_area].map(f64::from);
-        let exact = (width + spread * t).powi(2) / cosine.abs().max(1e-3) * per_area;
+        let area = footprint(Cone { width, angle }.width_at(t), cosine, per_area);
+        let [width, angle, t, cosine, per_area] = [width, angle, t, cosine, per_area].map(f64::from);
+        let exact = (width + angle * t).powi(2) / cosine.abs().max(1e-3) * per_area;
         near(area, exact, exact, "footprint");
 
         let [before, curvature] = [0.3, 3.0].map(|most| (most * rng.signed()) as f32);
         let [width, cosine] = [[-4.0, 1.0], [-4.0, 0.0]].map(|range| sized(&mut rng, range));
         let lobe = rng.unit() as f32;
-        let cone = Cone { width: 0.0, spread: before };
-        let spread = cone.scattered(width, cosine, curvature, lobe).spread;
+        let cone = Cone { width: 0.0, angle: before };
+        let angle = cone.scattered(width, cosine, curvature, lobe).angle;
         let [before, width, cosine, curvature, lobe] =
             [before, width, cosine, curvature, lobe].map(f64::from);
         let bent = 2.0 * width * curvature / cosine.max(1e-3);
-        near(spread, (before + bent + 0.375 * lobe).clamp(-1.0, 1.0), 1.0, "spread");
+        near(angle, (before + bent + 0.375 * lobe).clamp(-1.0, 1.0), 1.0, "angle");
 
         let (n, curvature) = (rng.direction().as_vec3(), sized(&mut rng, [-3.0, 3.0]));
         let density = sphere_density(math::Vec3::<f32>::splat(n), curvature);

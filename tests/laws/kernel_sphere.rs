@@ -171,7 +171,7 @@ fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
                     _ => f32::INFINITY,
                 });
             let (mask, t) = S::test(
-                &S::prepare(&Ray::<L>::from_lanes(&rays)),
+                &S::precalculate(&Ray::<L>::from_lanes(&rays)),
                 math::Vec3::zero(),
                 L::splat(1.0),
                 L::load(&limits),

@@ -144,8 +144,9 @@ fn hits_lie_below_the_limit_and_inactive_lanes_miss() {
                 (3, Some([t, ..])) => t,
                 _ => f32::INFINITY,
             });
-            let prepared = T::prepare(&Ray::<L>::from_lanes(&rays));
-            let TriangleHit { mask, t, u, v } = T::test(&prepared, &T::store(triangle), L::load(&limits));
+            let precalculated = T::precalculate(&Ray::<L>::from_lanes(&rays));
+            let TriangleHit { mask, t, u, v } =
+                T::test(&precalculated, &T::store(triangle), L::load(&limits));
             for lane in 0..L::WIDTH {
                 let expected = unlimited[lane].filter(|[t, ..]| *t < limits[lane]);
                 let hit = mask.bitmask() >> lane & 1 == 1;
@@ -204,10 +205,10 @@ fn pairs_give_the_bits_of_their_triangles_at_every_width() {
             let mut stored: Vec<_> = fan(a, &[b, c, d]).into_iter().map(Woop::store).collect();
             Woop::link_pairs(&mut stored);
             assert!(Woop::is_linked(&stored[0]));
-            let prepared = Woop::prepare(&Ray::<L>::from_lanes(&rays));
+            let precalculated = Woop::precalculate(&Ray::<L>::from_lanes(&rays));
             let far = L::splat(f32::INFINITY);
-            let alone = [0, 1].map(|number| Woop::test(&prepared, &stored[number], far));
-            let Some(PairHit { hit, is_second }) = Woop::test_pair(&prepared, [&stored[0], &stored[1]])
+            let alone = [0, 1].map(|number| Woop::test(&precalculated, &stored[number], far));
+            let Some(PairHit { hit, is_second }) = Woop::test_pair(&precalculated, [&stored[0], &stored[1]])
             else {
                 undecided += 1;
                 continue;

@@ -295,7 +295,7 @@ same_at_every_width! {
         for drawn in [
             bsdf::diffuse::sample(n, u, v),
             bsdf::mirror::sample(d, n),
-            bsdf::scatter::sample(d, n, alpha, u, v),
+            bsdf::fuzzy_mirror::sample(d, n, alpha, u, v),
             bsdf::ggx::sample(d, n, alpha, u, v),
             bsdf::glass::sample(d, n, o.mask, ior, u),
         ] {
@@ -305,7 +305,7 @@ same_at_every_width! {
         let towards = Vec3::new(o.z, o.x, -o.y).normalize();
         for lobe in [
             bsdf::diffuse::evaluate(n, towards),
-            bsdf::scatter::evaluate(d, n, alpha, towards),
+            bsdf::fuzzy_mirror::evaluate(d, n, alpha, towards),
             bsdf::ggx::evaluate(d, n, alpha, towards),
         ] {
             values.extend([Float(lobe.value), Float(lobe.pdf)]);
@@ -332,12 +332,12 @@ same_at_every_width! {
         values
     };
     ray_cones_are_the_same_at_every_width: |o| {
-        let cone = ray_cone::Cone { width: o.x, spread: o.y };
+        let cone = ray_cone::Cone { width: o.x, angle: o.y };
         let n = Vec3::new(o.z, o.x, o.y).normalize();
         [
             Float(ray_cone::level_of_detail(o.x, o.y, L::from_int(o.k))),
             Float(ray_cone::footprint(cone.width_at(o.z), o.y, o.x)), Float(ray_cone::sphere_density(n, o.z)),
-            Float(cone.scattered(o.z, o.y, o.x, random::uniform::<L>(o.i, 0)).spread),
+            Float(cone.scattered(o.z, o.y, o.x, random::uniform::<L>(o.i, 0)).angle),
         ]
     };
     light_samples_are_the_same_at_every_width: |o| {

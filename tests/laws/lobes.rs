@@ -9,14 +9,14 @@ use crate::common::statistics::{allowed, deviation_of};
 use crate::common::*;
 use octray::kernel::bsdf::metal_rough::MetalRough;
 use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
-use octray::kernel::bsdf::{BsdfEval, BsdfSample, LobeEval, diffuse, ggx, scatter};
+use octray::kernel::bsdf::{BsdfEval, BsdfSample, LobeEval, diffuse, fuzzy_mirror, ggx};
 use std::f64::consts::{PI, TAU};
 
 #[derive(Clone, Copy, Debug)]
 enum Lobe {
     Diffuse,
     Ggx { alpha: f32 },
-    Scatter { roughness: f32 },
+    FuzzyMirror { roughness: f32 },
     Plastic { alpha: f32, ior: f32, color: Vec3, transmitted: f32 },
     MetalRough { alpha: f32, metallic: f32, color: Vec3 },
 }
@@ -48,7 +48,7 @@ impl Lobe {
         let (lobe, weight) = match self {
             Lobe::Diffuse => grey(diffuse::sample(n, u, v)),
             Lobe::Ggx { alpha } => grey(ggx::sample(d, n, alpha, u, v)),
-            Lobe::Scatter { roughness } => grey(scatter::sample(d, n, roughness, u, v)),
+            Lobe::FuzzyMirror { roughness } => grey(fuzzy_mirror::sample(d, n, roughness, u, v)),
             Lobe::Plastic { .. } => {
                 let plastic = self.plastic();
                 plastic.sample(&plastic.view(d, n), d, n, choose, (u, v))
@@ -64,7 +64,7 @@ impl Lobe {
         match self {
             Lobe::Diffuse => grey(diffuse::evaluate(n, towards)),
             Lobe::Ggx { alpha } => grey(ggx::evaluate(d, n, alpha, towards)),
-            Lobe::Scatter { roughness } => grey(scatter::evaluate(d, n, roughness, towards)),
+            Lobe::FuzzyMirror { roughness } => grey(fuzzy_mirror::evaluate(d, n, roughness, towards)),
             Lobe::Plastic { .. } => {
                 let plastic = self.plastic();
                 let BsdfEval { value, pdf } = plastic.evaluate(&plastic.view(d, n), d, n, towards);
@@ -78,11 +78,11 @@ impl Lobe {
     }
     /// The direction at (a, b) of the unit square, a turning away from the mirror direction, b around it, and
     /// the solid angle per area of the square: fine where the lobe is narrow, and regular where the density
-    /// of `scatter` is not.
+    /// of the fuzzy mirror is not.
     fn chart(self, d: DVec3, n: DVec3, a: f64, b: f64) -> (DVec3, f64) {
         let axis = d - n * (2.0 * d.dot(n));
         let (cos, area) = match self {
-            Lobe::Scatter { roughness } if roughness < 1.0 => {
+            Lobe::FuzzyMirror { roughness } if roughness < 1.0 => {
                 let r = f64::from(roughness);
                 // sin² γ = ρ² (1 − x): dω = ρ² dx dφ / 2c. Beyond the rim too, where x < 0.
                 let x = (1.0 - a).powi(2) - BEYOND;
@@ -106,7 +106,7 @@ impl Lobe {
         let b = (w.dot(axis.cross(tangent)).atan2(w.dot(tangent)) / TAU).rem_euclid(1.0);
         let sin = w.cross(axis).length();
         let a = match self {
-            Lobe::Scatter { roughness } if roughness < 1.0 => {
+            Lobe::FuzzyMirror { roughness } if roughness < 1.0 => {
                 1.0 - (1.0 + BEYOND - (sin / f64::from(roughness)).powi(2)).max(0.0).sqrt()
             }
             _ => (sin.atan2(w.dot(axis)) / PI).cbrt(),
@@ -127,7 +127,7 @@ fn plastic(alpha: f32, ior: f32, color: Vec3) -> Lobe {
 fn lobes() -> Vec<Lobe> {
     let mut lobes = vec![Lobe::Diffuse];
     lobes.extend([2e-4, 0.01, 0.09, 0.36, 1.0].map(|alpha| Lobe::Ggx { alpha }));
-    lobes.extend([0.02, 0.3, 0.9, 1.0, 1.1, 2.5, 1e3].map(|roughness| Lobe::Scatter { roughness }));
+    lobes.extend([0.02, 0.3, 0.9, 1.0, 1.1, 2.5, 1e3].map(|roughness| Lobe::FuzzyMirror { roughness }));
     let color = vec3(0.8, 0.3, 0.1);
     lobes.extend([0.0, 0.01, 0.2, 1.0].map(|alpha| plastic(alpha, 1.5, color)));
     lobes.extend([plastic(0.3, 2.6, WHITE), plastic(0.2, 1.5, Vec3::ZERO)]);
@@ -237,9 +237,9 @@ fn densities_hold_one_where_nothing_is_absorbed() {
     };
     assert!((integral(Lobe::Diffuse) - 1.0).abs() < 1e-4);
     for roughness in [1.0 / 64.0, 0.1, 0.5, 0.86] {
-        let found = integral(Lobe::Scatter { roughness });
+        let found = integral(Lobe::FuzzyMirror { roughness });
         // What the floor at the rim takes, 0.4 %, the ring beyond it gives back.
-        assert!((found - 1.0).abs() < 1e-3, "scatter {roughness}: {found}");
+        assert!((found - 1.0).abs() < 1e-3, "fuzzy mirror {roughness}: {found}");
     }
     // Facets steeper than 45° reflect below the surface: α² / (1 + α²) of them, seen from above.
     for alpha in [2e-4, 0.01, 0.1, 0.5, 1.0] {
@@ -278,7 +278,7 @@ fn weight_is_value_over_density() {
 #[test]
 fn metal_and_plastic_look_the_same_both_ways() {
     let mut rng = Rng(72);
-    for lobe in lobes().into_iter().filter(|lobe| !matches!(lobe, Lobe::Scatter { .. })) {
+    for lobe in lobes().into_iter().filter(|lobe| !matches!(lobe, Lobe::FuzzyMirror { .. })) {
         for _ in 0..20_000 {
             let n = rng.direction();
             let above = |w: DVec3| if w.dot(n) < 0.0 { -w } else { w };
@@ -345,8 +345,8 @@ fn white_furnace_loses_what_is_stated_and_gains_nothing() {
 fn nothing_is_nan_at_the_edges_of_the_domain() {
     let mut lobes = lobes();
     lobes.extend([0.0, 1e-30, 1e-12, 1e-6, ggx::NARROW, 1.0].map(|alpha| Lobe::Ggx { alpha }));
-    let cones = [0.0, 1e-30, 1e-6, scatter::NARROW, 1.0 - 6e-8, 1.0 + 1.2e-7, 1e9, 1e18];
-    lobes.extend(cones.map(|roughness| Lobe::Scatter { roughness }));
+    let cones = [0.0, 1e-30, 1e-6, fuzzy_mirror::NARROW, 1.0 - 6e-8, 1.0 + 1.2e-7, 1e9, 1e18];
+    lobes.extend(cones.map(|roughness| Lobe::FuzzyMirror { roughness }));
     for ior in [1.0, 1.0001, 3.0] {
         for alpha in [0.0, 1e-30, 1e-6, ggx::NARROW, 1.0] {
             lobes.extend([Vec3::ZERO, WHITE, Vec3::X].map(|color| plastic(alpha, ior, color)));

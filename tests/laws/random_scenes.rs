@@ -48,7 +48,7 @@ fn kind(rng: &mut Rng) -> MaterialKind {
             let ior = of(rng, &[ior, 1.0 / ior, 1.0, 1e-3, 1e3]);
             of(rng, &[Glass { ior }, ThinGlass { ior }])
         }
-        6 => Scatter { roughness: rng.scale(1e-3, 1e3) as f32 },
+        6 => FuzzyMirror { roughness: rng.scale(1e-3, 1e3) as f32 },
         _ => Emitter,
     }
 }
@@ -231,7 +231,7 @@ fn check(seed: u64) -> Result<bool, String> {
         let settings = Settings {
             lanes,
             methods: Methods { lights, sampler, traversal, ..Methods::default() },
-            pipeline: of(&mut rng, &[PipelineChoice::Needed, PipelineChoice::General]),
+            pipeline: of(&mut rng, &[PipelineChoice::Auto, PipelineChoice::General]),
             seed: seed as u32,
             ..Settings::of(&scene)
         };
@@ -257,7 +257,7 @@ fn check(seed: u64) -> Result<bool, String> {
 }
 
 const TRAVERSALS: [TraversalChoice; 5] = [
-    TraversalChoice::Needed,
+    TraversalChoice::Auto,
     TraversalChoice::Linear,
     TraversalChoice::Through(Traversal::Single),
     TraversalChoice::Through(Traversal::Packet),

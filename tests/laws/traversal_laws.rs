@@ -17,7 +17,7 @@ const NOTHING: Answer = [f32::INFINITY.to_bits(), MISS, 0, 0];
 /// Every primitive, one by one.
 fn oracle<S: SphereMethod, T: TriangleMethod>(scene: &Scene, ray: &Ray<f32>) -> Answer {
     let (mut answer, mut nearest) = (NOTHING, f32::INFINITY);
-    let sphere_ray = S::prepare(ray);
+    let sphere_ray = S::precalculate(ray);
     for (index, sphere) in scene.spheres.iter().enumerate() {
         let center = math::Vec3::splat(sphere.center);
         let (hit, t) = S::test(&sphere_ray, center, sphere.radius * sphere.radius, f32::INFINITY);
@@ -26,7 +26,7 @@ fn oracle<S: SphereMethod, T: TriangleMethod>(scene: &Scene, ray: &Ray<f32>) -> 
             answer = [t.to_bits(), index as u32, 0, 0];
         }
     }
-    let triangle_ray = T::prepare(ray);
+    let triangle_ray = T::precalculate(ray);
     for (index, triangle) in scene.triangles.iter().enumerate() {
         let hit = T::test(&triangle_ray, &T::store(triangle.vertices), f32::INFINITY);
         if hit.mask && hit.t < nearest {

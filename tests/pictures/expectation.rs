@@ -13,8 +13,8 @@ const KINDS: [MaterialKind; 9] = [
     Plastic { roughness: 0.0, ior: 1.5 },
     Plastic { roughness: 0.5, ior: 1.5 },
     MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 },
-    Scatter { roughness: 0.4 },
-    Scatter { roughness: 2.0 },
+    FuzzyMirror { roughness: 0.4 },
+    FuzzyMirror { roughness: 2.0 },
     Glass { ior: 1.5 },
 ];
 

@@ -65,7 +65,7 @@ fn white_furnace_of_glass_is_white_within_rounding() {
 #[test]
 fn absorbing_materials_never_exceed_white() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
-        for kind in [Metal { roughness }, Scatter { roughness: 2.0 * roughness }] {
+        for kind in [Metal { roughness }, FuzzyMirror { roughness: 2.0 * roughness }] {
             let picture = render(&room(kind), UNBOUNDED, SAMPLES, 8);
             // Each weight is at most 1 up to its own rounding.
             let most = channels(&picture).fold(0.0, f32::max);
@@ -141,7 +141,7 @@ fn assert_agrees(name: &str, scene: &Scene, max_bounces: u32, strayed: f64) {
 #[test]
 fn packets_and_judge_agree_on_the_energy_of_every_material() {
     let more = [0.2, 1.0].map(|roughness| Metal { roughness });
-    let lobes = [0.4, 2.5].map(|roughness| Scatter { roughness });
+    let lobes = [0.4, 2.5].map(|roughness| FuzzyMirror { roughness });
     for kind in KINDS.into_iter().chain(more).chain(lobes) {
         let mut scene = room(kind);
         scene.materials[0].color = vec3(0.9, 0.7, 0.5);

@@ -1,5 +1,5 @@
 //! Laws of pictures: the expected value of every estimator, the f64 reference, what display does to pictures,
-//! and the recipes of `octray stability`.
+//! and the test cases of `octray stability`.
 
 // The packages under one name, as the program's library shows them; the program itself is not needed.
 extern crate self as octray;

@@ -1,4 +1,4 @@
-//! The law of stability: in every recipe of `octray stability` the default method keeps its bounds, and
+//! The law of stability: in every test case of `octray stability` the default method keeps its bounds, and
 //! others fail at least as much as is said of them. Each test throws a part of what the command throws; seeds
 //! are fixed. A share that is expected is lowered by five standard deviations of its count, or raised by as
 //! many and three.
@@ -6,30 +6,30 @@
 //! The figures are those that were measured before this program was written, without FMA. Where a build with
 //! FMA differs much, both are given.
 
-use octray::measure::stability::{Bound, Effort, Outcome, Point, recipe, recipes};
+use octray::measure::stability::{Bound, Effort, Outcome, Point, test_case, test_cases};
 
-/// Recipes in which no method is much worse than the default, or which show what its certainty costs.
+/// Test cases in which no method is much worse than the default, or which show what its certainty costs.
 const NOTHING_FAILS: [&str; 3] = ["spheres-inside", "triangles-far", "boxes-beside"];
 
 #[test]
-fn default_methods_keep_their_bounds_in_every_recipe_and_others_do_not() {
+fn default_methods_keep_their_bounds_in_every_test_case_and_others_do_not() {
     // Sums of 10⁸ numbers take seconds, however small the share; `stability_shading` holds the film to a
     // million.
-    check_recipes(Effort(0.01), &["sums-long"]);
+    check_test_cases(Effort(0.01), &["sums-long"]);
 }
 
 #[test]
 #[ignore = "minutes: run by .ci/run"]
-fn default_methods_keep_their_bounds_in_every_recipe_with_more_cases() {
-    check_recipes(Effort(0.05), &[]);
+fn default_methods_keep_their_bounds_in_every_test_case_with_more_cases() {
+    check_test_cases(Effort(0.05), &[]);
 }
 
-fn check_recipes(effort: Effort, without: &[&str]) {
-    for recipe in recipes().filter(|recipe| !without.contains(&recipe.name)) {
-        let outcome = recipe.run(effort, &|| {});
+fn check_test_cases(effort: Effort, without: &[&str]) {
+    for test_case in test_cases().filter(|test_case| !without.contains(&test_case.name)) {
+        let outcome = test_case.run(effort, &|| {});
         let faults: Vec<&Point> = outcome.faults().collect();
-        assert!(faults.is_empty(), "{}: {faults:?}", recipe.name);
-        assert_eq!(others_fail(&outcome), !NOTHING_FAILS.contains(&recipe.name), "{}", recipe.name);
+        assert!(faults.is_empty(), "{}: {faults:?}", test_case.name);
+        assert_eq!(others_fail(&outcome), !NOTHING_FAILS.contains(&test_case.name), "{}", test_case.name);
     }
 }
 
@@ -42,11 +42,11 @@ fn others_fail(outcome: &Outcome) -> bool {
     })
 }
 
-/// One method at one place of a recipe's axis.
+/// One method at one place of a test case's axis.
 pub fn at(name: &str, method: &str, x: f64, effort: Effort) -> Point {
-    let recipe = recipe(name).unwrap_or_else(|| panic!("a recipe {name}"));
-    let of = recipe.method(method).unwrap_or_else(|| panic!("a method {method} of {name}"));
-    let point = recipe.at(of, x, effort);
+    let test_case = test_case(name).unwrap_or_else(|| panic!("a test case {name}"));
+    let of = test_case.method(method).unwrap_or_else(|| panic!("a method {method} of {name}"));
+    let point = test_case.at(of, x, effort);
     println!("{name}, {method} at {x:e}: {:.4} %, p99 {:?}", 100.0 * point.rate(), point.p99);
     point
 }
@@ -59,7 +59,7 @@ fn at_least(name: &str, method: &str, x: f64, percent: f64, p99: f64) {
     let told = format!("{name}, {method} at {x:e}: {point:?}; expected {percent} % and {p99:e}");
     assert!(point.failures as f64 >= expected - 5.0 * expected.sqrt(), "{told}");
     assert!(point.p99.unwrap_or(0.0) >= p99, "{told}");
-    assert!(percent == 0.0 || point.failures > 0, "{name}, {method} at {x:e}: too few cases to tell");
+    assert!(percent == 0.0 || point.failures > 0, "{name}, {method} at {x:e}: too few inputs to tell");
 }
 
 /// Fails for so many per cent at most, and is off by no more.
@@ -247,43 +247,41 @@ const INEXACT: &str = "o + t d, error bound";
 /// edge: 33 % instead of 50 and 46.
 #[test]
 fn triangles_are_hit_again_without_an_error_bound() {
-    for (name, x, naive, least_t) in [
-        ("leaving-place", 1.0, 49.0, 0.001),
-        ("leaving-place", 1e5, 30.0, 30.0),
-        ("leaving-size", 1e3, 49.0, 28.0),
-    ] {
+    for (name, x, naive, least_t) in
+        [("spawn-place", 1.0, 49.0, 0.001), ("spawn-place", 1e5, 30.0, 30.0), ("spawn-size", 1e3, 49.0, 28.0)]
+    {
         at_least(name, NAIVE, x, naive, 0.0);
         at_least(name, LEAST_T, x, least_t, 0.0);
         at_most(name, PIPELINE, x, 0.0, ANY);
     }
-    at_least("leaving-slivers", NAIVE, 1e4, 20.0, 0.0);
-    at_most("leaving-slivers", PIPELINE, 1e4, 0.0, ANY);
+    at_least("spawn-slivers", NAIVE, 1e4, 20.0, 0.0);
+    at_most("spawn-slivers", PIPELINE, 1e4, 0.0, ANY);
     // A constant that does for a room does not for a landscape.
-    at_most("leaving-place", CONSTANT, 1.0, 0.0, ANY);
-    at_least("leaving-place", CONSTANT, 1e5, 30.0, 0.0);
+    at_most("spawn-place", CONSTANT, 1.0, 0.0, ANY);
+    at_least("spawn-place", CONSTANT, 1e5, 30.0, 0.0);
 }
 
 /// The figures, 0.0013 and 0.046 %, are those of some way; it is the way travelled that counts.
 #[test]
 fn a_point_along_the_ray_is_the_further_off_the_further_it_came() {
-    at_most("leaving-travelled", INEXACT, 1.0, 0.0013, ANY);
-    at_least("leaving-travelled", INEXACT, 10.0, 0.02, 0.0);
-    at_least("leaving-travelled", INEXACT, 1e3, 30.0, 0.0);
-    at_most("leaving-travelled", PIPELINE, 1e3, 0.0, ANY);
+    at_most("spawn-travelled", INEXACT, 1.0, 0.0013, ANY);
+    at_least("spawn-travelled", INEXACT, 10.0, 0.02, 0.0);
+    at_least("spawn-travelled", INEXACT, 1e3, 30.0, 0.0);
+    at_most("spawn-travelled", PIPELINE, 1e3, 0.0, ANY);
 }
 
 #[test]
 fn spheres_are_hit_again_without_an_error_bound_and_shells_lost_with_a_constant() {
-    for name in ["leaving-spheres", "leaving-inwards"] {
+    for name in ["spawn-spheres", "spawn-inwards"] {
         at_least(name, NAIVE, 1.0, 30.0, 0.0);
         at_least(name, CONSTANT, 1e4, 30.0, 0.0);
         for place in [0.0, 1.0, 1e4] {
             at_most(name, PIPELINE, place, 0.0, ANY);
         }
     }
-    at_least("leaving-shells", CONSTANT, 3e-5, 99.0, 0.0);
-    at_least("leaving-shells", LEAST_T, 3e-5, 70.0, 0.0);
-    at_most("leaving-shells", PIPELINE, 3e-5, 0.0, ANY);
+    at_least("spawn-shells", CONSTANT, 3e-5, 99.0, 0.0);
+    at_least("spawn-shells", LEAST_T, 3e-5, 70.0, 0.0);
+    at_most("spawn-shells", PIPELINE, 3e-5, 0.0, ANY);
     // Half an offset: the test can see the fault of ours too.
-    at_least("leaving-shells", PIPELINE, 1e-6, 90.0, 0.0);
+    at_least("spawn-shells", PIPELINE, 1e-6, 90.0, 0.0);
 }

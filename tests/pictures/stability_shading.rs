@@ -1,5 +1,6 @@
 //! The figures of shading, lamps, sums, cameras and scenes: the naive methods fail as much as is said of
-//! them, the default ones as little. (That the default ones keep their bounds in every recipe: `stability`.)
+//! them, the default ones as little. (That the default ones keep their bounds in every test case:
+//! `stability`.)
 //!
 //! Each test throws a part of what `octray stability` throws; seeds are fixed. Shares that are a matter of
 //! chance are held to a quarter of what was measured, so that another target's roundings do not decide.
@@ -7,12 +8,12 @@
 use crate::stability;
 use octray::measure::stability::{Effort, Point};
 
-/// One method at one place of a recipe's axis, with a tenth of the cases.
+/// One method at one place of a test case's axis, with a tenth of the inputs.
 fn at(name: &str, method: &str, x: f64) -> Point {
     stability::at(name, method, x, Effort(0.1))
 }
 
-/// The naive method fails in at least this share of cases, the default one never.
+/// The naive method fails in at least this share of inputs, the default one never.
 #[track_caller]
 fn fails_and_holds(name: &str, x: f64, [naive, default]: [&str; 2], least: f64) {
     let [naive, default] = [naive, default].map(|method| at(name, method, x));
@@ -60,14 +61,14 @@ fn matt_directions_cancel_unless_the_sphere_is_smaller() {
 
 #[test]
 fn normals_for_shading_let_rays_through_unless_both_normals_are_asked() {
-    fails_and_holds("scattering-matt", 20.0, ["unchecked", "absorbed-and-shadowed"], 0.95);
-    fails_and_holds("scattering-matt", 3.0, ["unchecked", "absorbed-and-shadowed"], 0.05);
+    fails_and_holds("scattering-diffuse", 20.0, ["unchecked", "absorbed-and-shadowed"], 0.95);
+    fails_and_holds("scattering-diffuse", 3.0, ["unchecked", "absorbed-and-shadowed"], 0.05);
     fails_and_holds("scattering-mirror", 1.0, ["unbent", "bent"], 0.1);
     fails_and_holds("scattering-mirror", 40.0, ["unbent", "bent"], 0.3);
     // What that costs: (1 − cos 20°) / 2 = 3 % lies below, and the terminator takes 8 more. (3.9 % on the
     // ball of 80 triangles, whose normals are that far off only at corners: `tests/pictures/smooth.rs`.)
     let [absorbed, shadowed] =
-        ["absorbed", "absorbed-and-shadowed"].map(|method| at("scattering-matt", method, 20.0));
+        ["absorbed", "absorbed-and-shadowed"].map(|method| at("scattering-diffuse", method, 20.0));
     assert!((absorbed.p50.unwrap() - 0.03).abs() < 0.005, "{absorbed:?}");
     assert!((shadowed.p50.unwrap() - 0.11).abs() < 0.01, "{shadowed:?}");
 }
@@ -75,30 +76,30 @@ fn normals_for_shading_let_rays_through_unless_both_normals_are_asked() {
 #[test]
 fn lamps_vanish_by_the_cosine_below_a_thousandth() {
     for ratio in [1e-6, 1e-4] {
-        fails_and_holds("lamps-spheres", ratio, ["cosine", "sine"], 1.0);
+        fails_and_holds("lights-spheres", ratio, ["cosine", "sine"], 1.0);
     }
     // At 1e-3, 1 − cos θ has three bits, all of them shared by all lamps.
-    assert!(p99("lamps-spheres", "cosine", 1e-3) > 0.03);
+    assert!(p99("lights-spheres", "cosine", 1e-3) > 0.03);
     // A Taylor step cures what is small and leaves a seam at its threshold.
-    assert_eq!(at("lamps-spheres", "taylor", 1e-6).failures, 0);
-    assert!(p99("lamps-spheres", "taylor", 1e-2) > 1e-5);
-    assert!(p99("lamps-spheres", "sine", 1e-2) < 5e-7);
-    fails_and_holds("lamps-around", 0.5, ["cosine", "sine-and-inside"], 1.0);
-    fails_and_holds("lamps-around", 0.5, ["cosine-clamped", "sine-and-inside"], 1.0);
-    fails_and_holds("lamps-triangle", 1e-4, ["angles", "whole-or-area"], 0.2);
-    assert!(p99("lamps-triangle", "determinant", 1e-4) > 1.0);
-    assert!(p99("lamps-triangle", "whole-or-area", 1e-4) < 1e-6);
-    assert!(p99("lamps-quad", "determinants", 1e-4) > 0.1);
-    assert!(p99("lamps-quad", "whole-or-area", 1e-4) < 1e-6);
-    fails_and_holds("lamps-edge-on", 1e-5, ["angles", "whole-or-area"], 0.2);
+    assert_eq!(at("lights-spheres", "taylor", 1e-6).failures, 0);
+    assert!(p99("lights-spheres", "taylor", 1e-2) > 1e-5);
+    assert!(p99("lights-spheres", "sine", 1e-2) < 5e-7);
+    fails_and_holds("lights-around", 0.5, ["cosine", "sine-and-inside"], 1.0);
+    fails_and_holds("lights-around", 0.5, ["cosine-clamped", "sine-and-inside"], 1.0);
+    fails_and_holds("lights-triangle", 1e-4, ["angles", "whole-or-area"], 0.2);
+    assert!(p99("lights-triangle", "determinant", 1e-4) > 1.0);
+    assert!(p99("lights-triangle", "whole-or-area", 1e-4) < 1e-6);
+    assert!(p99("lights-quad", "determinants", 1e-4) > 0.1);
+    assert!(p99("lights-quad", "whole-or-area", 1e-4) < 1e-6);
+    fails_and_holds("lights-edge-on", 1e-5, ["angles", "whole-or-area"], 0.2);
 }
 
 #[test]
 fn numbers_reach_one_unless_they_are_cut_off() {
     // The 128 largest of 2³² round to 1.
     for naive in ["divided", "divided-in-f64"] {
-        fails_and_holds("numbers-top", 128.0, [naive, "upper-24-bits"], 1.0);
-        fails_and_holds("numbers-top", 256.0, [naive, "upper-24-bits"], 0.45);
+        fails_and_holds("uniform-largest", 128.0, [naive, "upper-24-bits"], 1.0);
+        fails_and_holds("uniform-largest", 256.0, [naive, "upper-24-bits"], 0.45);
     }
 }
 
@@ -116,7 +117,7 @@ fn plain_sums_drift_and_stall_and_the_film_does_not() {
     fails_and_holds("sums-large", 1e30, ["f64", "film"], 0.0);
     assert_eq!(at("sums-large", "film", 1e36).rate(), 1.0);
     for naive in ["f32", "f64"] {
-        fails_and_holds("sums-poisoned", 1e-2, [naive, "film"], 0.99);
+        fails_and_holds("sums-nan", 1e-2, [naive, "film"], 0.99);
     }
 }
 

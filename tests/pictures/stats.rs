@@ -278,7 +278,7 @@ fn tiles_that_go_on_together_have_the_same_rays_in_fewer_packets() {
     let scene = load("builtin:three").unwrap();
     // Of 90 tiles one thread traces five together, three threads one.
     let [together, alone] = [1, 3].map(|threads| {
-        let of_threads = settings(&scene, TraversalChoice::Needed, 8, threads);
+        let of_threads = settings(&scene, TraversalChoice::Auto, 8, threads);
         rendered(&scene, Settings { resolution: [160, 140], ..of_threads }, true).2.segments
     });
     assert_eq!((together.len(), alone.len()), (4, 4));
@@ -294,7 +294,7 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
     for name in ["builtin:three", "builtin:cornell", "builtin:knot:500"] {
         let scene = load(name).unwrap();
         for lanes in WIDTHS {
-            let settings = settings(&scene, TraversalChoice::Needed, lanes, 2);
+            let settings = settings(&scene, TraversalChoice::Auto, lanes, 2);
             let (_, rays, stats) = rendered(&scene, settings, true);
             assert_eq!(stats.rays(RayKind::Primary), 3 * 50 * 35, "{name}");
             assert_eq!(RayKind::ALL.map(|kind| stats.rays(kind)).iter().sum::<u64>(), rays, "{name}");
@@ -315,7 +315,7 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
             }
             let report = FrameStats::of(&stats, lanes, 2, 3);
             assert_eq!((report.rays, report.kinds[0].rays), (rays, stats.rays(RayKind::Primary)));
-            assert!(report.bounces.iter().all(|bounce| bounce.lanes_in_use <= 1.0), "{name}");
+            assert!(report.bounces.iter().all(|bounce| bounce.simd_utilisation <= 1.0), "{name}");
             let shares: f64 = report.stages.iter().map(|stage| stage.share).sum();
             assert!((shares - 1.0).abs() < 1e-9 && report.seconds > 0.0, "{name}: {shares}");
             assert!(stats.times[Stage::Trace as usize].as_nanos() > 0, "{name}");
@@ -325,12 +325,12 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
 }
 
 #[test]
-fn all_lanes_are_in_use_before_the_first_bounce_of_whole_tiles() {
+fn simd_utilisation_is_full_before_the_first_bounce_of_whole_tiles() {
     let scene = load("builtin:spheres").unwrap();
     let settings = Settings { resolution: [64, 48], lanes: 8, ..Settings::of(&scene) };
     let stats = rendered(&scene, settings, true).2;
     assert_eq!(stats.segments[0], Segment { rays: 3 * 64 * 48, packets: 3 * 64 * 48 / 8 });
-    assert_eq!(FrameStats::of(&stats, 8, 1, 3).bounces[0].lanes_in_use, 1.0);
+    assert_eq!(FrameStats::of(&stats, 8, 1, 3).bounces[0].simd_utilisation, 1.0);
 }
 
 #[test]

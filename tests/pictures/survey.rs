@@ -92,7 +92,7 @@ fn materials_show_in_guides() {
         (Metal { roughness: 0.5 }, 0.25),
         (Metal { roughness: 0.0 }, 0.0),
         (Glass { ior: 1.5 }, 0.0),
-        (Scatter { roughness: 3.0 }, 1.0),
+        (FuzzyMirror { roughness: 3.0 }, 1.0),
     ] {
         let mut scene = load("builtin:three").unwrap();
         scene.materials.iter_mut().for_each(|material| material.kind = kind);
@@ -133,7 +133,7 @@ fn a_camera_set_later_gives_the_bits_of_a_new_renderer() {
 #[test]
 fn costs_are_what_rays_are_tested_against() {
     let scene = load("builtin:knot:3000").unwrap();
-    for (traversal, boxes) in [(TraversalChoice::Linear, false), (TraversalChoice::Needed, true)] {
+    for (traversal, boxes) in [(TraversalChoice::Linear, false), (TraversalChoice::Auto, true)] {
         let methods = Methods { traversal, ..Methods::default() };
         let renderer = Renderer::new(&scene, Settings { methods, threads: 2, ..settings(&scene) });
         let mut costs = Map::default();

@@ -20,7 +20,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     let lines = list(&scene["pictures"]);
     let names: Vec<&str> = lines.iter().map(|line| line["configuration"].as_str().unwrap()).collect();
     assert_eq!(names[..2], ["default", "scalar"]);
-    assert!(names.contains(&"naive spheres") && !names.contains(&"lights off"), "{names:?}");
+    assert!(names.contains(&"naive spheres") && !names.contains(&"no next event estimation"), "{names:?}");
     let mut points = 0;
     for line in lines {
         assert!(line["pictures_unlike_default"].is_null() || line["pictures_unlike_default"] == 0, "{line}");
@@ -33,7 +33,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
         }
     }
     for kernel in list(&report["kernels"]) {
-        assert!(number(&kernel["ns"]) > 0.0 && kernel["failure_case"]["recipe"].is_string(), "{kernel}");
+        assert!(number(&kernel["ns"]) > 0.0 && kernel["failure_case"]["test_case"].is_string(), "{kernel}");
     }
 
     let read = |name: &str| desk.text(&format!("new/charts/{name}"));
@@ -86,7 +86,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
     }
     let last = list(&lines[0]["points"]).last().unwrap();
     let [seconds, samples] = [&last["seconds"]["median"], &last["samples"]].map(number);
-    assert_eq!(number(&scene["default_sample_s"]), seconds / samples);
+    assert_eq!(number(&scene["default_pass_s"]), seconds / samples);
 }
 
 /// The texts of a drawing that cover others or leave it, by a width of a letter that common fonts do not

@@ -100,25 +100,25 @@ fn bench_measures_the_width_and_threads_asked_for() {
         assert_eq!(results.len(), 1, "{report}");
         assert_eq!(results[0]["lanes"].to_string(), lanes);
         assert_eq!(results[0]["threads"].to_string(), threads);
-        assert_eq!(results[0]["pipeline"], "needed");
+        assert_eq!(results[0]["pipeline"], "auto");
     }
 }
 
 #[test]
 fn bench_shows_what_leaving_features_out_gains_where_something_is_left_out() {
     let desk = Desk::new();
-    let over_general = |scene: &str| {
+    let specialisation = |scene: &str| {
         let report = desk.json(&format!("bench {scene} --frames 11 --size 8x8 --threads 1"));
         let results = list(&report["results"]);
-        assert!(results[1..].iter().all(|result| result["over_general"].is_null()), "{report}");
+        assert!(results[1..].iter().all(|result| result["specialisation"].is_null()), "{report}");
         assert_eq!(results[0]["frames"], 11);
-        results[0]["over_general"].clone()
+        results[0]["specialisation"].clone()
     };
-    let three = over_general("builtin:three");
+    let three = specialisation("builtin:three");
     // Turns of two frames, and of fewer on a busy machine: ratios of several rounds.
     assert!(number(&three["median"]) > 0.0 && number(&three["rounds"]) >= 5.0, "{three}");
     // It has textures and maps that only the general pipeline has.
-    assert!(over_general(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/films/everything.json")).is_null());
+    assert!(specialisation(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/films/everything.json")).is_null());
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn bench_and_compare_take_the_pipeline_asked_for() {
     let desk = Desk::new();
     let report = desk.json("bench builtin:three --frames 2 --size 8x8 --threads 1 --pipeline general");
     for result in list(&report["results"]) {
-        assert!(result["pipeline"] == "general" && result["over_general"].is_null(), "{result}");
+        assert!(result["pipeline"] == "general" && result["specialisation"].is_null(), "{result}");
     }
     let report = desk.json("compare builtin:three --samples 1 --size 8x8 --pipeline general");
     assert_eq!(report["results"][0]["mismatched_pixels"], 0);

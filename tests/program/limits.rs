@@ -62,7 +62,7 @@ fn time_limit_ends_in_time_with_equal_pixels() {
     for words in [
         "512×256, 0 to 1 samples (mean 0.",
         "% of the picture has had none and is black\nended by the time limit, ",
-        "too short for a sample of every pixel\n",
+        "too short for one pass\n",
     ] {
         assert!(said.contains(words), "{words} is not in {said}");
     }

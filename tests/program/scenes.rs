@@ -118,9 +118,9 @@ fn inspect_reports_textures_gradient_and_needs() {
     );
 }
 
-/// What `inspect` says of a scene, a fact a line: on the terminal, long ones go on in lines below.
+/// What `inspect --why` says of a scene, a fact a line: on the terminal, long ones go on in lines below.
 fn inspected(desk: &Desk, scene: &str) -> String {
-    let said = desk.run(&format!("inspect {scene}"));
+    let said = desk.run(&format!("inspect {scene} --why"));
     assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
     said.replace(&format!("\n{:12}", ""), " ")
 }
@@ -156,6 +156,11 @@ fn inspect_shows_which_way_rays_go_and_why() {
     assert!(said.contains("traversal   linear for primary rays, linear for bounces\n"), "{said}");
     assert!(said.contains("cost a ray 1 (1 a sphere, 6 a triangle); up to 240, that is faster"), "{said}");
     assert!(!said.contains("\nhierarchy"), "{said}");
+    let short = desk.run("inspect scene.json");
+    assert!(
+        short.contains("\ntraversal") && !short.contains("\nwhy") && !short.contains("\ndefault"),
+        "{short}"
+    );
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn methods_without_a_hierarchy_say_that_every_primitive_is_tested() {
                     &["--traversal", traversal, option, method, "tests every primitive", "leave out"],
                 );
             }
-            for more in ["", "--traversal linear", "--traversal needed"] {
+            for more in ["", "--traversal linear", "--traversal auto"] {
                 let report = desk.json(&format!("{line} {option} {method} {more}"));
                 assert_eq!(traversal(&report), "linear", "{command}");
             }

@@ -1,7 +1,7 @@
 //! `octray stability`: its table, its JSON, its charts.
 
 use crate::desk::{Desk, list, number};
-use octray::measure::stability::recipe;
+use octray::measure::stability::test_case;
 use serde_json::{Value, json};
 
 /// Of the cheapest.
@@ -13,11 +13,11 @@ fn stability_reports_in_json_every_method_at_every_place() {
     let report = desk.json(QUICK);
     assert_eq!((&report["schema"], &report["holds"]), (&json!("octray-stability-1"), &json!(true)));
     assert!(report["machine"]["cpu"].is_string());
-    let recipes = list(&report["recipes"]);
+    let test_cases = list(&report["test_cases"]);
     let names = |of: &[Value], key: &str| of.iter().map(|one| one[key].clone()).collect::<Vec<_>>();
-    assert_eq!(names(recipes, "recipe"), ["spheres-tangent", "spheres-inside"]);
-    for told in recipes {
-        let known = recipe(told["recipe"].as_str().unwrap()).unwrap();
+    assert_eq!(names(test_cases, "test_case"), ["spheres-tangent", "spheres-inside"]);
+    for told in test_cases {
+        let known = test_case(told["test_case"].as_str().unwrap()).unwrap();
         for key in ["title", "axis", "failure", "source"] {
             assert!(told[key].as_str().is_some_and(|text| !text.is_empty()), "{key}: {told}");
         }
@@ -28,8 +28,8 @@ fn stability_reports_in_json_every_method_at_every_place() {
             let points = list(&curve["points"]);
             assert_eq!(json!(names(points, "x")), json!(known.places));
             for point in points {
-                assert_eq!(point["tested"], known.cases);
-                assert!(number(&point["failures"]) <= known.cases as f64);
+                assert_eq!(point["tested"], known.inputs);
+                assert!(number(&point["failures"]) <= known.inputs as f64);
                 assert_eq!(point["p99"].is_f64(), known.error.is_some(), "{point}");
                 let errors = ["p50", "p90", "p99", "max"].map(|key| point[key].as_f64());
                 assert!(errors.is_sorted(), "{point}");
@@ -45,7 +45,7 @@ fn stability_gives_the_same_figures_every_time_on_any_number_of_threads() {
     let figures = |threads: &str| {
         let mut command = desk.octray(&format!("{QUICK} --json"));
         let done = command.env("RAYON_NUM_THREADS", threads).assert().success();
-        serde_json::from_slice::<Value>(&done.get_output().stdout).unwrap()["recipes"].clone()
+        serde_json::from_slice::<Value>(&done.get_output().stdout).unwrap()["test_cases"].clone()
     };
     let first = figures("1");
     assert_eq!((&first, &first), (&figures("1"), &figures("3")));
@@ -54,19 +54,20 @@ fn stability_gives_the_same_figures_every_time_on_any_number_of_threads() {
 #[test]
 fn thorough_stability_tries_ten_times_as_many_cases() {
     let desk = Desk::new();
-    let known = recipe("textures-seam").unwrap();
+    let known = test_case("textures-seam").unwrap();
     let report = desk.json(&format!("stability --only {} --thorough", known.name));
     assert_eq!(report["thorough"], true);
-    assert_eq!(report["recipes"][0]["curves"][0]["points"][0]["tested"], 10 * known.cases);
+    assert_eq!(report["test_cases"][0]["curves"][0]["points"][0]["tested"], 10 * known.inputs);
 }
 
 #[test]
-fn stability_prints_a_table_a_recipe_and_what_it_means() {
+fn stability_prints_a_table_a_test_case_and_what_it_means() {
     let desk = Desk::new();
     let printed = desk.run(QUICK);
     let at = |words: &str| printed.find(words).unwrap_or_else(|| panic!("{words} is not in {printed}"));
     assert!(at("keep their bounds") < at("\nspheres-tangent: "), "the verdict comes first");
-    for words in ["robust *", "\n  naive ", "hit or miss misjudged", "(*) keep their bounds in 2 recipes."] {
+    for words in ["robust *", "\n  naive ", "hit or miss misjudged", "(*) keep their bounds in 2 test cases."]
+    {
         at(words);
     }
     assert_eq!(desk.names(), Desk::new().names(), "nothing is written unless it is asked for");
@@ -85,7 +86,7 @@ fn stability_writes_charts_and_json_into_a_folder_that_it_makes_or_refuses() {
         assert!(drawn.contains("robust (default)") && drawn.contains("naive"), "{name}");
     }
     let report: Value = serde_json::from_str(&desk.text("new/charts/stability.json")).unwrap();
-    assert_eq!(list(&report["recipes"]).len(), 2);
+    assert_eq!(list(&report["test_cases"]).len(), 2);
     // Before it works.
     desk.refuses("stability -o scene.json", &["cannot make the folder", "scene.json"]);
 }

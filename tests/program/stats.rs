@@ -12,7 +12,7 @@ fn check_frames(stats: &Value, rays: f64) {
     assert!((sum("stages", "share") - 1.0).abs() < 1e-9, "{stats}");
     assert!((sum("stages", "seconds") / number(&stats["seconds"]) - 1.0).abs() < 1e-9, "{stats}");
     for bounce in list(&stats["bounces"]) {
-        let used = number(&bounce["lanes_in_use"]);
+        let used = number(&bounce["simd_utilisation"]);
         assert!(0.0 < used && used <= 1.0, "{stats}");
     }
     assert_eq!(stats["bounces"][0]["rays"], stats["kinds"][0]["rays"]);
@@ -38,7 +38,7 @@ fn render_counts_its_own_rays_and_writes_the_same_file() {
         assert_eq!(stats["frames"], 3);
         assert_eq!(plain["rays"], counted["rays"]);
         check_frames(stats, number(&plain["rays"]));
-        let first = json!({ "bounce": 0, "rays": 2880, "packets": 360, "lanes_in_use": 1.0 });
+        let first = json!({ "bounce": 0, "rays": 2880, "packets": 360, "simd_utilisation": 1.0 });
         assert_eq!(stats["bounces"][0], first);
         let boxes = number(&stats["kinds"][1]["boxes"]["tests"]);
         assert_eq!(boxes > 0.0, scene.contains("knot"), "boxes are tested where there is a hierarchy");
@@ -59,7 +59,7 @@ fn render_and_bench_print_tables_and_what_they_mean() {
             "generate ",
             &format!("{NATIVE_WIDTH} lanes, 1 thread"),
             "box tests a ray",
-            "lanes in use, bounce 0",
+            "SIMD utilisation, bounce 0",
             "A test is one ray",
         ] {
             assert!(said.contains(word), "{word} is not in {said}");
@@ -67,7 +67,7 @@ fn render_and_bench_print_tables_and_what_they_mean() {
         // The first line of `bench` names the machine, the last one is a summary.
         let of_bench = said.trim_end().rsplit_once('\n').filter(|_| line.starts_with("bench"));
         assert_fits(of_bench.map_or(&said[..], |(tables, _)| tables).split_once('\n').unwrap().1);
-        assert!(!desk.run(line).contains("lanes in use"));
+        assert!(!desk.run(line).contains("SIMD utilisation"));
     }
 }
 

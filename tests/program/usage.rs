@@ -5,8 +5,8 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
 
-const COMMANDS: [&str; 8] =
-    ["bench", "compare", "render", "merge", "rays", "stability", "convert", "inspect"];
+const COMMANDS: [&str; 9] =
+    ["bench", "compare", "render", "merge", "rays", "stability", "convert", "inspect", "methods"];
 
 #[test]
 fn octray_alone_says_what_to_try() {
@@ -27,9 +27,26 @@ fn help_explains_every_command_with_an_example() {
         let example = contains("Example").and(contains(format!("\n  octray {command} ")));
         let help = contains("Usage: octray").and(example);
         desk.octray(&format!("{command} --help")).assert().success().stderr("").stdout(help);
-        desk.run(&format!("{command} -h"));
+        let lines = |option| desk.run(&format!("{command} {option}")).lines().count();
+        assert!(lines("-h") <= 40 && lines("--help") <= 130, "{command}: less help is read more");
     }
     desk.octray("render --help").assert().stdout(contains("Ctrl-C").and(contains("130")));
+}
+
+#[test]
+fn methods_have_a_sentence_each() {
+    let desk = Desk::new();
+    let said = desk.run("methods");
+    for words in ["--triangle: ray-triangle", "  woop *", "  moller-trumbore  The classic", "  padded-sobol "]
+    {
+        assert!(said.contains(words), "{words} is not in: {said}");
+    }
+    let report = desk.json("methods");
+    assert_eq!(
+        (&report["schema"], &report["options"][0]["option"]),
+        (&"octray-methods-1".into(), &"sphere".into())
+    );
+    assert_eq!(report["options"][0]["methods"][0]["default"], true);
 }
 
 #[test]

@@ -64,8 +64,8 @@ fn options_win_over_the_view() {
     let most = report("--target-error 0.9 --time-limit 60");
     assert!(number(&most["samples"]) >= 16.0, "{most}");
     // All of it overruled is the scene itself.
-    let all = "--samples 64 --seed 0 --exposure 0 --tone clamp --clamp 1e30 --sphere robust --triangle woop --traversal needed --lights auto \
-               --sampler sobol --pipeline needed";
+    let all = "--samples 64 --seed 0 --exposure 0 --tone clamp --clamp 1e30 --sphere robust --triangle woop --traversal auto --lights auto \
+               --sampler sobol --pipeline auto";
     let overruled = desk.rendered(&format!("view.json {all}"), "a.png");
     assert!(overruled == desk.rendered("builtin:cornell --size 13x9", "b.png"));
 }
@@ -78,10 +78,10 @@ fn what_a_view_asks_for_and_does_not_exist_is_refused_by_every_command() {
         (r#""tone": "Aces""#, ["`Aces`", "render.tone,", "clamp, reinhard, aces"]),
         (r#""sphere": "exact""#, ["`sphere`", "render.sphere,", "robust, naive"]),
         (r#""triangle": "exact""#, ["`triangle`", "render.triangle,", "woop, moller-trumbore"]),
-        (r#""traversal": "fast""#, ["`traversal`", "render.traversal,", "needed, linear, scalar"]),
+        (r#""traversal": "fast""#, ["`traversal`", "render.traversal,", "auto, linear, scalar"]),
         (r#""lights": "dim""#, ["`lights`", "render.lights,", "auto, on, power, off"]),
         (r#""sampler": "halton""#, ["`sampler`", "render.sampler,", "sobol, random"]),
-        (r#""pipeline": "small""#, ["`pipeline`", "render.pipeline,", "needed, general"]),
+        (r#""pipeline": "small""#, ["`pipeline`", "render.pipeline,", "auto, general"]),
         (r#""samples": 0"#, ["`samples` cannot be 0", "render.samples,", "from 1 to 16,777,216"]),
         (r#""exposure": 65"#, ["`exposure` cannot be 65", "render.exposure,", "from -64 to 64"]),
         (r#""clamp": -0.5"#, ["`clamp` cannot be -0.5", "render.clamp,", "above 0"]),

@@ -59,8 +59,8 @@ fn native_example_of_the_design_keeps_every_value() {
     assert_eq!(scene.sky, Sky::Color(vec3(0.5, 0.7, 1.0)));
     let kinds: Vec<MaterialKind> = scene.materials.iter().map(|material| material.kind).collect();
     let [metal, glass] = [MaterialKind::Metal { roughness: 0.1 }, MaterialKind::ThinGlass { ior: 1.33 }];
-    let scatter = MaterialKind::Scatter { roughness: 2.5 };
-    assert_eq!(kinds, [MaterialKind::Diffuse, metal, glass, scatter, MaterialKind::Diffuse]);
+    let fuzzy = MaterialKind::FuzzyMirror { roughness: 2.5 };
+    assert_eq!(kinds, [MaterialKind::Diffuse, metal, glass, fuzzy, MaterialKind::Diffuse]);
     assert_eq!(scene.materials[2].color, Vec3::ONE);
     assert_eq!(scene.materials[4].emission, vec3(15.0, 14.0, 13.0));
     let ball = scene.spheres[0];
@@ -116,7 +116,7 @@ fn native_defaults_of_materials_follow_their_type() {
     assert_eq!((of("a").kind, of("a").color), (MaterialKind::Diffuse, Vec3::splat(0.8)));
     assert_eq!((of("b").kind, of("b").color), (MaterialKind::Metal { roughness: 0.0 }, Vec3::ONE));
     assert_eq!((of("c").kind, of("c").color), (MaterialKind::Glass { ior: 1.5 }, Vec3::ONE));
-    assert_eq!((of("d").kind, of("d").color), (MaterialKind::Scatter { roughness: 0.0 }, Vec3::ONE));
+    assert_eq!((of("d").kind, of("d").color), (MaterialKind::FuzzyMirror { roughness: 0.0 }, Vec3::ONE));
     assert_eq!((of("e").kind, of("e").emission), (MaterialKind::Emitter, Vec3::ONE));
 }
 

@@ -112,7 +112,7 @@ fn surfaces_follow_emission_then_roughness() {
     let color = vec3(linear(128.0 / 255.0), 1.0, 0.0);
     assert_eq!(of(0).kind, MaterialKind::Emitter);
     assert!((of(0).emission - 2.5 * color).length() < 1e-6, "{}", of(0).emission);
-    assert_eq!((of(1).kind, of(1).color), (MaterialKind::Scatter { roughness: 2.5 }, color));
+    assert_eq!((of(1).kind, of(1).color), (MaterialKind::FuzzyMirror { roughness: 2.5 }, color));
     assert_eq!((of(1).emission, of(2).kind), (Vec3::ZERO, MaterialKind::Metal { roughness: 0.0 }));
     // Equal surfaces share one material.
     assert_eq!((scene.spheres[3].material, scene.materials.len()), (scene.spheres[1].material, 3));

@@ -112,10 +112,10 @@ fn written_views_read_back_in_every_bit() {
         clamp: Some(f32::MIN_POSITIVE),
         sphere: Some(SphereChoice::Robust),
         triangle: Some(TriangleChoice::Woop),
-        traversal: Some(TraversalChoice::Needed),
+        traversal: Some(TraversalChoice::Auto),
         lights: Some(LightChoice::Auto),
         sampler: Some(Sampler::Random),
-        pipeline: Some(PipelineChoice::Needed),
+        pipeline: Some(PipelineChoice::Auto),
     };
     // Bits by a linear congruence, at magnitudes that a scene may hold: all exponents from 1e-45 on, zeros of
     // both signs.

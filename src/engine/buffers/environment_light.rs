@@ -67,7 +67,7 @@ impl EnvironmentLight {
             (texture.width.min(MAX_CELLS[0]) as usize, texture.height.min(MAX_CELLS[1]) as usize);
         // The shares of a texel's light in the cells of the texel before, its own and the one after: bilinear
         // lookups blend between texel centres.
-        let spread: &[(usize, f64)] = match texture.filter {
+        let taps: &[(usize, f64)] = match texture.filter {
             Filter::Nearest => &[(1, 1.0)],
             Filter::Bilinear | Filter::Trilinear => &[(0, 0.125), (1, 0.75), (2, 0.125)],
         };
@@ -77,7 +77,7 @@ impl EnvironmentLight {
             for x in 0..width {
                 let radiance = color * texture.texels.linear(y * width + x).iter().sum::<f64>() / 3.0;
                 for (&(right, across), &(below, down)) in
-                    spread.iter().flat_map(|x| spread.iter().map(move |y| (x, y)))
+                    taps.iter().flat_map(|x| taps.iter().map(move |y| (x, y)))
                 {
                     let column = (x + width + right - 1) % width * columns / width;
                     let row = (y + below).saturating_sub(1).min(height - 1) * rows / height;

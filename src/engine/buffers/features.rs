@@ -27,7 +27,7 @@ features! {
     MIRROR = 3, "mirror";
     GGX = 4, "ggx";
     GLASS = 5, "glass";
-    SCATTER = 6, "scatter";
+    FUZZY_MIRROR = 6, "fuzzy-mirror";
     /// Some surface emits.
     EMISSION = 7, "emission";
     /// Some surface has a texture.
@@ -134,7 +134,7 @@ impl Features {
                 MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),
                 MaterialKind::Metal { .. } => need(true, Self::GGX),
                 MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => need(true, Self::GLASS),
-                MaterialKind::Scatter { .. } => need(true, Self::SCATTER),
+                MaterialKind::FuzzyMirror { .. } => need(true, Self::FUZZY_MIRROR),
                 MaterialKind::Plastic { .. } => need(true, Self::PLASTIC),
                 MaterialKind::MetalRough { .. } => need(true, Self::METAL_ROUGH),
                 MaterialKind::Emitter => {}

@@ -89,7 +89,7 @@ impl Lights {
     /// 18 on average, and 12 for a light of the least probability ([`MIN_SHARE`]).
     pub(crate) const MAX_SHARED: usize = 64;
     /// Most lights that are compared one by one: 1.5 to 1.9 times less time to equal error in a room with 3
-    /// to 8 lamps, and with 16 of them 0.9 (rough metal) to 1.35.
+    /// to 8 lights, and with 16 of them 0.9 (rough metal) to 1.35.
     pub const MAX_COMPARED: usize = Rows::FEW;
 
     /// The lights of a scene that the choice selects.

@@ -35,7 +35,7 @@ pub struct Buffers {
     pub needs: Features,
     /// The number of the first triangle: of primitives, quadrics come first.
     pub first_triangle: u32,
-    /// One row of eight a quadric. Of a sphere: centre, one over the radius, offset of leaving rays, material
+    /// One row of eight a quadric. Of a sphere: centre, one over the radius, offset of spawned rays, material
     /// (bits), texture turn, probability of being chosen as a light. The turn's sign bit is set where the
     /// texture is oriented to be seen from outside: with the angle's sign flipped by it, the angle plus this
     /// number is u on both sides.
@@ -105,7 +105,7 @@ impl MaterialCode {
     /// A smooth dielectric.
     pub const GLASS: u32 = 4;
     /// The thesis's lobe.
-    pub const SCATTER: u32 = 5;
+    pub const FUZZY_MIRROR: u32 = 5;
     /// A coat over a diffuse base.
     pub const PLASTIC: u32 = 6;
     /// glTF's metallic-roughness.
@@ -116,7 +116,7 @@ impl MaterialCode {
     pub const KIND: u32 = 0xff;
 
     /// The code of a material, and its parameter: alpha of GGX, plastic's coat and metal-rough, index of
-    /// refraction of glass (negated: thin glass), roughness of scatter.
+    /// refraction of glass (negated: thin glass), roughness of the fuzzy mirror.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -125,7 +125,7 @@ impl MaterialCode {
             MaterialKind::Metal { roughness } => (Self::GGX, roughness * roughness),
             MaterialKind::Glass { ior } => (Self::GLASS, ior),
             MaterialKind::ThinGlass { ior } => (Self::GLASS, -ior),
-            MaterialKind::Scatter { roughness } => (Self::SCATTER, roughness),
+            MaterialKind::FuzzyMirror { roughness } => (Self::FUZZY_MIRROR, roughness),
             MaterialKind::Plastic { roughness, .. } => (Self::PLASTIC, roughness * roughness),
             MaterialKind::MetalRough { roughness, .. } => (Self::METAL_ROUGH, roughness * roughness),
         };

@@ -31,11 +31,11 @@ pub fn luminance(color: [f64; 3]) -> f64 {
 /// The variance estimates of a tile's pixels, packet by packet.
 #[derive(Clone, Debug)]
 pub struct Noise {
-    packets: Vec<Spread>,
+    packets: Vec<VarianceSums>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Spread {
+struct VarianceSums {
     /// d of the current group.
     difference: L,
     /// Σ d² of complete groups. A plain sum: four million of them leave three digits, and two are enough.
@@ -44,10 +44,10 @@ struct Spread {
 
 impl Noise {
     /// Memory of a pixel in bytes.
-    pub const BYTES_PER_PIXEL: usize = size_of::<Spread>() / L::WIDTH;
+    pub const BYTES_PER_PIXEL: usize = size_of::<VarianceSums>() / L::WIDTH;
 
     pub(super) fn new(packets: usize) -> Self {
-        Self { packets: vec![Spread { difference: L::zero(), squares: L::zero() }; packets] }
+        Self { packets: vec![VarianceSums { difference: L::zero(), squares: L::zero() }; packets] }
     }
 
     /// Adds sample number `sample` of every pixel, counted from 0. One that is not finite counts as black.
@@ -56,30 +56,30 @@ impl Noise {
         let weights = LUMINANCE.map(L::splat);
         let sign = L::splat(if sample % GROUP < GROUP / 2 { 1.0 } else { -1.0 });
         let whole = sample % GROUP == GROUP - 1;
-        for (((spread, r), g), b) in self.packets.iter_mut().zip(r).zip(g).zip(b) {
+        for (((sums, r), g), b) in self.packets.iter_mut().zip(r).zip(g).zip(b) {
             let [r, g, b] = [r, g, b].map(|channel| L::load(channel));
             let luminance = r.mul_add(weights[0], g.mul_add(weights[1], b * weights[2]));
             let luminance = L::select(luminance.is_finite(), luminance, zero);
-            spread.difference = luminance.mul_add(sign, spread.difference);
+            sums.difference = luminance.mul_add(sign, sums.difference);
             if whole {
-                spread.squares = spread.difference.mul_add(spread.difference, spread.squares);
-                spread.difference = zero;
+                sums.squares = sums.difference.mul_add(sums.difference, sums.squares);
+                sums.difference = zero;
             }
         }
     }
 
     /// d of the current group and Σ d² of a pixel.
     pub(super) fn numbers(&self, slot: usize) -> [f32; 2] {
-        let Spread { difference, squares } = self.packets[slot / L::WIDTH];
+        let VarianceSums { difference, squares } = self.packets[slot / L::WIDTH];
         [difference, squares].map(|lanes| lanes.get(slot % L::WIDTH))
     }
 
     /// Sets what [`Noise::numbers`] returns to `numbers(slot)`.
     pub(super) fn set(&mut self, numbers: impl Fn(usize) -> [f32; 2]) {
-        for (packet, spread) in self.packets.iter_mut().enumerate() {
+        for (packet, sums) in self.packets.iter_mut().enumerate() {
             let [difference, squares] =
                 [0, 1].map(|which| L::from_fn(|lane| numbers(packet * L::WIDTH + lane)[which]));
-            *spread = Spread { difference, squares };
+            *sums = VarianceSums { difference, squares };
         }
     }
 

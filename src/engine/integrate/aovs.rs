@@ -45,8 +45,8 @@ pub enum Plane {
     /// The barycentric weight of the third vertex.
     WeightV,
     /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal and of the metallic share
-    /// of metal-rough, roughness of `scatter`; 0 of mirrors and glass; 1 of every other surface and share,
-    /// and where there is none.
+    /// of metal-rough, roughness of the fuzzy mirror; 0 of mirrors and glass; 1 of every other surface and
+    /// share, and where there is none.
     Lobe,
     /// Of emissive surfaces and of the environment, radiance over albedo; 0 of every other surface.
     Scale,
@@ -180,7 +180,7 @@ impl Seen {
         let mut seen = Self { hit: *hit, found, surface: None, normal, albedo, scale, lobe, object };
         if !found.all() {
             let radiance =
-                environment_radiance::<L, ALL>(context, direction, path.cone.spread, active & !found);
+                environment_radiance::<L, ALL>(context, direction, path.cone.angle, active & !found);
             (seen.albedo, seen.scale) = displayable(radiance);
         }
         if found.any() {
@@ -192,17 +192,17 @@ impl Seen {
             let of_color = of_emitter.only(is(MaterialCode::EMITTER));
             let away = zero.lt(material.ns.dot(direction));
             let facing = Vec3::select(away, -material.ns, material.ns);
-            let spread = material.roughness_or_ior.min(one);
-            let spread = L::select(is(MaterialCode::GGX) | is(MaterialCode::SCATTER), spread, one);
-            let spread = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, spread);
+            let width = material.roughness_or_ior.min(one);
+            let width = L::select(is(MaterialCode::GGX) | is(MaterialCode::FUZZY_MIRROR), width, one);
+            let width = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, width);
             // The dielectric's base is diffuse.
             let metallic = material.transmitted;
             let metal_rough = metallic.mul_add(material.roughness_or_ior, one - metallic);
-            let spread = L::select(is(MaterialCode::METAL_ROUGH), metal_rough, spread);
+            let width = L::select(is(MaterialCode::METAL_ROUGH), metal_rough, width);
             seen.normal = Vec3::select(found, facing, normal);
             seen.albedo = Vec3::select(found, color, seen.albedo);
             seen.scale = L::select(found, of_color, seen.scale);
-            seen.lobe = L::select(found, spread, lobe);
+            seen.lobe = L::select(found, width, lobe);
             seen.object = B::select(found, surface.object(context, hit), object);
             seen.surface = Some((surface, material));
         }

@@ -22,7 +22,7 @@ trait LobeVisitor<L: Lane> {
     fn ggx(&mut self, mask: L::Mask);
     #[inline(always)]
     fn glass(&mut self, _mask: L::Mask) {}
-    fn scatter(&mut self, mask: L::Mask);
+    fn fuzzy_mirror(&mut self, mask: L::Mask);
     fn plastic(&mut self, mask: L::Mask);
     fn metal_rough(&mut self, mask: L::Mask);
 }
@@ -49,7 +49,7 @@ fn visit_lobes<L: Lane, const N: u32>(
         MIRROR => mirror,
         GGX => ggx,
         GLASS => glass,
-        SCATTER => scatter,
+        FUZZY_MIRROR => fuzzy_mirror,
         PLASTIC => plastic,
         METAL_ROUGH => metal_rough
     );
@@ -270,10 +270,10 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
         self.color = Vec3::select(mask, color, self.color);
     }
     #[inline(always)]
-    fn scatter(&mut self, mask: L::Mask) {
+    fn fuzzy_mirror(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
         let roughness = self.material.roughness_or_ior;
-        self.take(mask, bsdf::scatter::sample(self.d, self.normals.ns_specular, roughness, u, v));
+        self.take(mask, bsdf::fuzzy_mirror::sample(self.d, self.normals.ns_specular, roughness, u, v));
     }
     #[inline(always)]
     fn plastic(&mut self, mask: L::Mask) {
@@ -355,9 +355,9 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
         self.take_colored(mask, bsdf::ggx::evaluate(self.d, n, alpha, self.towards));
     }
     #[inline(always)]
-    fn scatter(&mut self, mask: L::Mask) {
+    fn fuzzy_mirror(&mut self, mask: L::Mask) {
         let (n, roughness) = (self.normals.ns_specular, self.material.roughness_or_ior);
-        self.take_colored(mask, bsdf::scatter::evaluate(self.d, n, roughness, self.towards));
+        self.take_colored(mask, bsdf::fuzzy_mirror::evaluate(self.d, n, roughness, self.towards));
     }
     #[inline(always)]
     fn plastic(&mut self, mask: L::Mask) {
@@ -380,7 +380,7 @@ pub fn has_sampled_lobe<L: Lane, const N: u32>(material: &MaterialSample<L>) -> 
     let mut sampled = has_lobe(MaterialCode::DIFFUSE)
         | has_lobe(MaterialCode::PLASTIC)
         | (has_lobe(MaterialCode::GGX) & !bsdf::ggx::is_narrow(material.roughness_or_ior))
-        | (has_lobe(MaterialCode::SCATTER) & wide(bsdf::scatter::NARROW));
+        | (has_lobe(MaterialCode::FUZZY_MIRROR) & wide(bsdf::fuzzy_mirror::NARROW));
     if has(N, Features::METAL_ROUGH) {
         sampled = sampled | has_lobe(MaterialCode::METAL_ROUGH);
     }

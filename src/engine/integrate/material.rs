@@ -22,7 +22,7 @@ pub struct MaterialSample<L: Lane> {
     /// One of [`MaterialCode`]'s kinds.
     pub kind: L::Bits,
     pub color: Vec3<L>,
-    /// Alpha of rough metal, plastic and metal-rough, `scatter`'s roughness, glass's index of refraction
+    /// Alpha of rough metal, plastic and metal-rough, the fuzzy mirror's roughness, glass's index of refraction
     /// (negated: thin glass).
     pub roughness_or_ior: L,
     pub emission: Vec3<L>,
@@ -167,7 +167,7 @@ impl<L: Lane> MaterialSample<L> {
         self.color = self.color * texel;
     }
 
-    /// Multiplies roughness: the parameter of `scatter`, and the square root of every other one. Of
+    /// Multiplies roughness: the parameter of the fuzzy mirror, and the square root of every other one. Of
     /// metal-rough the metallic share too.
     #[inline(always)]
     fn apply_roughness_map<const N: u32>(
@@ -187,8 +187,8 @@ impl<L: Lane> MaterialSample<L> {
                 let metallic = self.transmitted * texel.z.min(L::one());
                 self.transmitted = L::select(packed, metallic, self.transmitted);
             }
-            let scatters = self.kind.equals(L::Bits::splat(MaterialCode::SCATTER));
-            let factor = L::select(scatters, factor, factor * factor);
+            let is_fuzzy = self.kind.equals(L::Bits::splat(MaterialCode::FUZZY_MIRROR));
+            let factor = L::select(is_fuzzy, factor, factor * factor);
             self.roughness_or_ior = L::select(mapped, self.roughness_or_ior * factor, self.roughness_or_ior);
         }
     }
@@ -300,8 +300,8 @@ pub fn scattered_cone<L: Lane>(
     let is = |kind: u32| material.kind.equals(L::Bits::splat(kind));
     let (zero, one) = (L::zero(), L::one());
     // Where the specular lobe is a delta lobe, what is none comes from the diffuse base.
-    let is_base =
-        is(MaterialCode::DIFFUSE) | (!is(MaterialCode::SCATTER) & ggx::is_narrow(material.roughness_or_ior));
+    let is_base = is(MaterialCode::DIFFUSE)
+        | (!is(MaterialCode::FUZZY_MIRROR) & ggx::is_narrow(material.roughness_or_ior));
     let lobe = L::select(is_base, one, material.roughness_or_ior.min(one));
     let lobe = L::select(is_delta, zero, lobe);
     // Refraction at a sphere bends otherwise.

@@ -171,7 +171,7 @@ const FEW_TEXTURED: Features = Features::SPHERES
     .with(Features::TRIANGLES)
     .with(Features::DIFFUSE)
     .with(Features::MIRROR)
-    .with(Features::SCATTER)
+    .with(Features::FUZZY_MIRROR)
     .with(Features::EMISSION)
     .with(Features::TEXTURES);
 
@@ -194,7 +194,7 @@ const UNTEXTURED: Features = Features::SPHERES
 const ALL_LOBES: Features = UNTEXTURED
     .with(Features::LIGHTS)
     .with(Features::GGX)
-    .with(Features::SCATTER)
+    .with(Features::FUZZY_MIRROR)
     .with(Features::PLASTIC)
     .with(Features::METAL_ROUGH);
 

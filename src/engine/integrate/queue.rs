@@ -73,7 +73,7 @@ pub struct PathQueue {
     v: Column,
     /// [`Cone`]s. Only where textures have levels of detail.
     cone_width: Column,
-    cone_spread: Column,
+    cone_angle: Column,
     /// What is added to the index of a primary ray for its slot, modulo 2³².
     to_slot: u32,
 }
@@ -147,7 +147,7 @@ impl PathQueue {
     #[inline(always)]
     pub fn path<L: Lane>(&self, at: usize, QueueColumns { lights, cones }: QueueColumns) -> Path<L> {
         let cone = match cones {
-            true => Cone { width: L::load(&self.cone_width[at..]), spread: L::load(&self.cone_spread[at..]) },
+            true => Cone { width: L::load(&self.cone_width[at..]), angle: L::load(&self.cone_angle[at..]) },
             false => Cone::none(),
         };
         Path {
@@ -192,7 +192,7 @@ impl PathQueue {
         }
         if cones {
             path.cone.width.store(&mut self.cone_width[at..]);
-            path.cone.spread.store(&mut self.cone_spread[at..]);
+            path.cone.angle.store(&mut self.cone_angle[at..]);
         }
         path.key.store(&mut self.key[at..]);
         path.slot.store(&mut self.slot[at..]);
@@ -236,7 +236,7 @@ impl<L: Lane> Path<L> {
     #[inline(always)]
     pub fn compress(&self, mask: L::Mask, QueueColumns { cones, .. }: QueueColumns) -> Self {
         let cone = match cones {
-            true => Cone { width: self.cone.width.compress(mask), spread: self.cone.spread.compress(mask) },
+            true => Cone { width: self.cone.width.compress(mask), angle: self.cone.angle.compress(mask) },
             false => Cone::none(),
         };
         Path {
@@ -266,7 +266,7 @@ pub struct ShadowQueue {
     /// Indices of lights, and [`Cone`]s. Only where hits decide: [`crate::buffers::Lights::hits_decide`].
     light: IntColumn,
     cone_width: Column,
-    cone_spread: Column,
+    cone_angle: Column,
 }
 
 impl ShadowQueue {
@@ -285,7 +285,7 @@ impl ShadowQueue {
     /// The lights that the rays of the packet at `at` run to, and the rays as paths.
     pub fn to_light<L: Lane>(&self, at: usize) -> (L::Bits, Path<L>) {
         let ray = Ray { origin: self.origin.load(at), direction: self.direction.load(at) };
-        let cone = Cone { width: L::load(&self.cone_width[at..]), spread: L::load(&self.cone_spread[at..]) };
+        let cone = Cone { width: L::load(&self.cone_width[at..]), angle: L::load(&self.cone_angle[at..]) };
         let (slot, throughput) = self.contribution(at);
         let path = Path { ray, throughput, inv_pdf: L::zero(), key: L::Bits::splat(0), slot, cone };
         (L::Bits::load(&self.light[at..]), path)
@@ -294,7 +294,7 @@ impl ShadowQueue {
     pub fn store_light<L: Lane>(&mut self, at: usize, mask: L::Mask, light: L::Bits, cone: Cone<L>) {
         light.compress(mask).store(&mut self.light[at..]);
         cone.width.compress(mask).store(&mut self.cone_width[at..]);
-        cone.spread.compress(mask).store(&mut self.cone_spread[at..]);
+        cone.angle.compress(mask).store(&mut self.cone_angle[at..]);
     }
     /// Stores the lanes of `mask` from `at` on.
     #[inline(always)]

@@ -84,11 +84,11 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
         if is_sky.any() {
             sample = LightSample::select(is_sky, sky.sample(u, v), sample);
             // As BSDF sampling sees the same direction: the weights of the two must sum to 1 over one sky.
-            let mut spread = L::zero();
+            let mut cone_angle = L::zero();
             if context.carries_cones::<N>() {
-                spread = scattered_cone(path, surface, material, L::Mask::splat(false)).spread;
+                cone_angle = scattered_cone(path, surface, material, L::Mask::splat(false)).angle;
             }
-            let seen = environment_radiance::<L, N>(context, sample.wi, spread, is_sky);
+            let seen = environment_radiance::<L, N>(context, sample.wi, cone_angle, is_sky);
             emission = Vec3::select(is_sky, seen, emission);
         }
     }

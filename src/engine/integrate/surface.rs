@@ -20,7 +20,7 @@ pub struct Surface<L: Lane> {
     pub point: Vec3<L>,
     /// Unit geometric normal: outward on spheres, by the order of the vertices on triangles.
     pub ng: Vec3<L>,
-    /// Distance from the surface at which leaving rays must start.
+    /// Distance from the surface at which spawned rays must start.
     pub offset: L,
     /// Index of the material.
     pub material: L::Bits,

@@ -1,7 +1,7 @@
 //! Ray cones: how wide what a path sees of a surface is, for the level of detail of its textures.
 //!
-//! A pixel's cone starts at the camera with no width; its width grows by the spread times the distance. A hit
-//! keeps the width, and scattering adds to the spread. Left out: the curvature of interpolated and mapped
+//! A pixel's cone starts at the camera with no width; its width grows by the angle times the distance. A hit
+//! keeps the width, and scattering adds to the angle. Left out: the curvature of interpolated and mapped
 //! normals, and what refraction changes.
 //!
 //! Two choices differ from the source, because a pixel has many samples here. A cone is half as wide as its
@@ -27,32 +27,32 @@ pub struct Cone<L: Lane> {
     pub width: L,
     /// What the width grows by in a unit of distance: the tangent of the cone's angle, which counts as the
     /// angle.
-    pub spread: L,
+    pub angle: L,
 }
 
 /// Least cosine at which a cone meets a surface: a footprint stays finite.
 const MIN_COSINE: f32 = 1e-3;
-/// Largest spread, about a radian, to either side.
-const MAX_SPREAD: f32 = 1.0;
-/// The spread that a lobe of full width adds, in radians. A diffuse lobe is about five times as wide, so a
+/// Largest angle, about a radian, to either side.
+const MAX_ANGLE: f32 = 1.0;
+/// The angle that a lobe of full width adds, in radians. A diffuse lobe is about five times as wide, so a
 /// path averages a texture behind it over a thirtieth of what all paths of the pixel see of it.
-const LOBE_SPREAD: f32 = 0.375;
+const LOBE_ANGLE: f32 = 0.375;
 
 impl<L: Lane> Cone<L> {
-    /// Without width and spread.
+    /// Without width and angle.
     #[inline(always)]
     pub fn none() -> Self {
-        Self { width: L::zero(), spread: L::zero() }
+        Self { width: L::zero(), angle: L::zero() }
     }
     /// As it leaves the camera, half as wide as a pixel. `pixel_size`: the width of a pixel at distance 1.
     #[inline(always)]
     pub fn of_pixel(pixel_size: f32) -> Self {
-        Self { width: L::zero(), spread: L::splat(0.5 * pixel_size) }
+        Self { width: L::zero(), angle: L::splat(0.5 * pixel_size) }
     }
     /// The width at a distance.
     #[inline(always)]
     pub fn width_at(&self, t: L) -> L {
-        self.spread.mul_add(t, self.width)
+        self.angle.mul_add(t, self.width)
     }
 
     /// The cone that leaves a surface where this one has the width `width`. `curvature`: one over the radius
@@ -60,10 +60,10 @@ impl<L: Lane> Cone<L> {
     /// directions by twice that. `lobe`: the width of the lobe, from 0 (delta) to 1 (diffuse).
     #[inline(always)]
     pub fn scattered(&self, width: L, cosine: L, curvature: L, lobe: L) -> Self {
-        let most = L::splat(MAX_SPREAD);
+        let most = L::splat(MAX_ANGLE);
         let bent = width * (curvature + curvature) / least_cosine(cosine);
-        let spread = lobe.mul_add(L::splat(LOBE_SPREAD), self.spread + bent);
-        Self { width, spread: spread.max(-most).min(most) }
+        let angle = lobe.mul_add(L::splat(LOBE_ANGLE), self.angle + bent);
+        Self { width, angle: angle.max(-most).min(most) }
     }
 }
 

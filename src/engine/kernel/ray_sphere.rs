@@ -12,26 +12,26 @@ use crate::math::{Ray, Vec3};
 /// excludes it. Inactive lanes have a `limit` of 0, with which they miss.
 pub trait SphereMethod: Send + Sync + 'static {
     /// What is computed once per ray.
-    type Prepared<L: Lane>: Copy;
+    type Precalculated<L: Lane>: Copy;
     /// Whether spheres may be culled by [`super::sphere_culling`]: only if the method finds no hit on those.
     const MAY_CULL: bool;
 
-    /// Prepares a ray for all spheres.
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
+    /// Precalculates a ray for all spheres.
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Self::Precalculated<L>;
 
     /// The lanes that may hit, and their equations, unspecified in other lanes.
     fn equation<L: Lane>(
-        ray: &Self::Prepared<L>,
+        ray: &Self::Precalculated<L>,
         center: Vec3<L>,
         radius2: L,
     ) -> (L::Mask, QuadraticEquation<L>);
 
     /// The nearest root in front of the ray's origin; not above 0, or NaN, where there is none.
-    fn root<L: Lane>(ray: &Self::Prepared<L>, equation: &QuadraticEquation<L>) -> L;
+    fn root<L: Lane>(ray: &Self::Precalculated<L>, equation: &QuadraticEquation<L>) -> L;
 
     /// The lanes that hit, and the nearest t of each in (0, `limit`); t is unspecified where nothing is hit.
     #[inline(always)]
-    fn test<L: Lane>(ray: &Self::Prepared<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
+    fn test<L: Lane>(ray: &Self::Precalculated<L>, center: Vec3<L>, radius2: L, limit: L) -> (L::Mask, L) {
         let (meets, equation) = Self::equation(ray, center, radius2);
         if !meets.any() {
             return (meets, limit);
@@ -42,7 +42,7 @@ pub trait SphereMethod: Send + Sync + 'static {
     /// The same of what [`SphereMethod::equation`] gives.
     #[inline(always)]
     fn solve<L: Lane>(
-        ray: &Self::Prepared<L>,
+        ray: &Self::Precalculated<L>,
         (meets, equation): (L::Mask, QuadraticEquation<L>),
         limit: L,
     ) -> (L::Mask, L) {
@@ -83,11 +83,11 @@ pub struct QuadraticEquation<L> {
 pub struct Robust;
 
 impl SphereMethod for Robust {
-    type Prepared<L: Lane> = Ray<L>;
+    type Precalculated<L: Lane> = Ray<L>;
     const MAY_CULL: bool = true;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Ray<L> {
         *ray
     }
 
@@ -147,11 +147,11 @@ impl<L: Lane> Scaled<L> {
 pub struct Naive;
 
 impl SphereMethod for Naive {
-    type Prepared<L: Lane> = Scaled<L>;
+    type Precalculated<L: Lane> = Scaled<L>;
     const MAY_CULL: bool = false;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Scaled<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Scaled<L> {
         Scaled::new(ray)
     }
 
@@ -168,9 +168,9 @@ impl SphereMethod for Naive {
         (L::zero().le(discriminant), QuadraticEquation { b, c, discriminant })
     }
     #[inline(always)]
-    fn root<L: Lane>(prepared: &Scaled<L>, equation: &QuadraticEquation<L>) -> L {
+    fn root<L: Lane>(precalculated: &Scaled<L>, equation: &QuadraticEquation<L>) -> L {
         let (b, root) = (equation.b, equation.discriminant.sqrt());
-        let half = L::splat(0.5) * prepared.inverse_a;
+        let half = L::splat(0.5) * precalculated.inverse_a;
         let near = (-b - root) * half;
         L::select(L::zero().lt(near), near, (root - b) * half)
     }

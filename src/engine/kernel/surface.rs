@@ -19,7 +19,7 @@ use crate::math::{EPSILON, Vec3, gamma};
 /// Units: scene units. Error: the point is off by at most 4.5 ε (|c| + r), see [`sphere_surface`]; testing
 /// the same sphere again computes |o − c|² − r² with a relative error of γ(5), which is a distance of γ(5)/2
 /// · r, plus the rounding of o − c of ε (|c| + r) in each component, √3 of that along the normal. The three
-/// bounds sum to 8.7 ε (|c| + r) and are never met together: measured, 4 ε suffice, `tests/laws/leaving.rs`.
+/// bounds sum to 8.7 ε (|c| + r) and are never met together: measured, 4 ε suffice, `tests/laws/spawn.rs`.
 pub fn sphere_offset(center: glam::Vec3, radius: f32) -> f32 {
     gamma(8) * (center.abs().max_element() + radius)
 }
@@ -33,7 +33,7 @@ pub fn sphere_offset(center: glam::Vec3, radius: f32) -> f32 {
 /// on a sliver the interpolated point slides along the triangle, and off a ray that meets it aslant. From
 /// within the triangle |a'||b'||c'| is at most a fifth of the longest edge cubed, so one ε of longest³ / 2A
 /// covers it; for well-shaped triangles that adds little. Measured: half of the sum suffices,
-/// `tests/laws/leaving.rs`.
+/// `tests/laws/spawn.rs`.
 pub fn triangle_offset(vertices: [glam::Vec3; 3]) -> f32 {
     let largest = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f32::max);
     // In f64, because slivers lose their area in f32.
@@ -121,7 +121,7 @@ pub fn texture_density(vertices: [glam::Vec3; 3], uvs: [glam::Vec2; 3]) -> f32 {
 
 /// One texture coordinate of a triangle's corners, less the whole repeats that all three share. So
 /// interpolation does not round away the position within a repeat: a coordinate near 10⁶ would be off by 0.06
-/// repeats. Coordinates in [0, 1) stay unchanged. Confirmed by the recipe `textures-tiled`.
+/// repeats. Coordinates in [0, 1) stay unchanged. Confirmed by the test case `textures-tiled`.
 pub fn remove_shared_repeats(corners: [f64; 3]) -> [f32; 3] {
     let whole = corners.into_iter().fold(f64::INFINITY, f64::min).floor();
     corners.map(|corner| (corner - whole) as f32)
@@ -142,7 +142,7 @@ pub fn triangle_bounds([a, b, c]: [glam::Vec3; 3]) -> [glam::Vec3; 2] {
 /// space, both are computed.
 ///
 /// Error: the point is off by at most 4.5 ε (|c| + r), the normal's length by 3 ε (measured, with and without
-/// FMA, `tests/laws/leaving.rs`).
+/// FMA, `tests/laws/spawn.rs`).
 #[inline(always)]
 pub fn sphere_surface<L: Lane>(
     near: Vec3<L>,

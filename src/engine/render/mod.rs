@@ -133,7 +133,7 @@ impl Renderer {
             sampler: settings.methods.sampler,
         };
         let needs = match settings.pipeline {
-            PipelineChoice::Needed => context.buffers.needs,
+            PipelineChoice::Auto => context.buffers.needs,
             PipelineChoice::General => Features::ALL,
         };
         let (features, pipeline) = pipeline_for(needs, lanes);

@@ -12,7 +12,7 @@ choices! {
     /// gain of leaving features out.
     pub enum PipelineChoice {
         #[default]
-        Needed = "needed", "The pipeline compiled for the smallest set of features that holds the scene's.";
+        Auto = "auto", "The pipeline compiled for the smallest set of features that holds the scene's.";
         General = "general", "The pipeline with every feature.";
     }
 }

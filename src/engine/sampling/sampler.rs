@@ -1,4 +1,4 @@
-//! The choice among Sobol points with blue noise, Sobol points with independent pixels, and random values.
+//! The choice among Sobol points with blue noise, padded Sobol points, and random values.
 
 use super::blue_noise::{self, PixelCoordinates, Shifts, seed_offset};
 use super::{dimension, random, sobol};

@@ -55,7 +55,7 @@ impl MaterialKind {
     /// Does a roughness map change this kind?
     pub fn has_roughness(self) -> bool {
         match self {
-            Self::Metal { roughness } | Self::Plastic { roughness, .. } | Self::Scatter { roughness } => {
+            Self::Metal { roughness } | Self::Plastic { roughness, .. } | Self::FuzzyMirror { roughness } => {
                 roughness > 0.0
             }
             // The map holds the metallic share too.
@@ -80,9 +80,9 @@ pub enum MaterialKind {
     /// A pane of glass without thickness: reflects as both its surfaces together, and transmits the rest,
     /// times `color`, straight on. `ior` > 0.
     ThinGlass { ior: f32 },
-    /// The thesis's lobe: direction = normalize(reflected + roughness · u), u uniform on the unit sphere;
+    /// The fuzzy mirror, the lobe of the thesis: direction = normalize(reflected + roughness · u), u uniform on the unit sphere;
     /// absorbed where it points below the surface. Roughness ≥ 0.
-    Scatter { roughness: f32 },
+    FuzzyMirror { roughness: f32 },
     /// A dielectric coat of index `ior` over a diffuse base of reflectance `color`: GGX with alpha =
     /// roughness², smooth at roughness 0. Roughness in [0, 1], `ior` in [1, 3].
     Plastic { roughness: f32, ior: f32 },

@@ -3,7 +3,7 @@
 
 use super::compact::{Layout, TriangleLeaves};
 use super::leaf::{TriangleLeaf, intersect_one};
-use super::prepared::SingleRay;
+use super::precalculated::SingleRay;
 use super::quadrics::QuadricLeaf;
 use crate::bvh::{Bvh, Child, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;

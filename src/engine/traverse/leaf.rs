@@ -1,6 +1,6 @@
 //! Leaves of triangles, as rays intersect them, and which hits rays keep.
 
-use super::prepared::Packet;
+use super::precalculated::Packet;
 use crate::bvh::{LEAF, Leaf};
 use crate::kernel::ray_box::{BoxRay, Padding, own_box};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, WoopRay};

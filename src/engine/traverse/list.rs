@@ -123,18 +123,18 @@ fn trace_triangles<'a, L: Lane, T: TriangleMethod>(
             false => (rays.t_max(at), L::Bits::splat(MISS)),
         };
         let (ray, mut hit) = (rays.packet::<L>(at), Hit { t, primitive, u: L::zero(), v: L::zero() });
-        let prepared = T::prepare(&ray);
+        let precalculated = T::precalculate(&ray);
         let mut triangles = triangles.clone().peekable();
         while let Some((number, triangle)) = triangles.next() {
             if T::is_linked(triangle)
                 && let Some(&(next, second)) = triangles.peek()
                 && next == number + 1
-                && let Some(found) = T::test_pair(&prepared, [triangle, second])
+                && let Some(found) = T::test_pair(&precalculated, [triangle, second])
             {
                 triangles.next();
                 keep_pair_if_nearer::<L, T>(&mut hit, &ray, padding, number, [triangle, second], found);
             } else {
-                test_triangle::<L, T>(&mut hit, &ray, &prepared, padding, number, triangle);
+                test_triangle::<L, T>(&mut hit, &ray, &precalculated, padding, number, triangle);
             }
         }
         hits.store(at, &hit);
@@ -146,14 +146,14 @@ fn trace_triangles<'a, L: Lane, T: TriangleMethod>(
 fn test_triangle<L: Lane, T: TriangleMethod>(
     hit: &mut Hit<L>,
     ray: &Ray<L>,
-    prepared: &T::Prepared<L>,
+    precalculated: &T::Precalculated<L>,
     padding: Padding,
     number: u32,
     triangle: &T::Stored,
 ) {
     let corners = T::own_box(triangle);
     let limit = if corners.is_some() { L::splat(f32::INFINITY) } else { hit.t };
-    let found = T::test(prepared, triangle, limit);
+    let found = T::test(precalculated, triangle, limit);
     if found.mask.any() {
         let corners = corners.map(|[lo, hi]| [Vec3::splat(lo), Vec3::splat(hi)]);
         keep_if_nearer(hit, ray, padding, L::Bits::splat(number), corners, found);

@@ -56,7 +56,7 @@ pub struct Methods {
 pub enum TraversalChoice {
     /// Linear in small scenes, else the fastest traversal: see [`Features::HIERARCHY`].
     #[default]
-    Needed,
+    Auto,
     /// Every primitive is tested.
     Linear,
     /// Through a hierarchy. Only the default sphere and triangle methods have one; others test every
@@ -65,9 +65,9 @@ pub enum TraversalChoice {
 }
 
 impl TraversalChoice {
-    /// `needed` and `linear`, then every traversal.
+    /// `auto` and `linear`, then every traversal.
     const ALL: [Self; 2 + Traversal::ALL.len()] = {
-        let mut all = [Self::Needed; 2 + Traversal::ALL.len()];
+        let mut all = [Self::Auto; 2 + Traversal::ALL.len()];
         all[1] = Self::Linear;
         let mut index = 0;
         while index < Traversal::ALL.len() {
@@ -89,7 +89,7 @@ impl TraversalChoice {
     /// As the command line, view files and reports spell it.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Needed => "needed",
+            Self::Auto => "auto",
             Self::Linear => "linear",
             Self::Through(traversal) => traversal.name(),
         }
@@ -106,7 +106,7 @@ impl Choice for TraversalChoice {
     }
     fn about(self) -> &'static str {
         match self {
-            Self::Needed => "Linear in small scenes, else hybrid (scalar with --lanes 1).",
+            Self::Auto => "Linear in small scenes, else hybrid (scalar with --lanes 1).",
             Self::Linear => "Every primitive is tested.",
             Self::Through(traversal) => traversal.about(),
         }
@@ -125,7 +125,7 @@ impl Methods {
         let default = if lanes == 1 { Traversal::Scalar } else { Traversal::Hybrid };
         match self.traversal {
             TraversalChoice::Linear => None,
-            TraversalChoice::Needed => features_of(scene).contains(Features::HIERARCHY).then_some(default),
+            TraversalChoice::Auto => features_of(scene).contains(Features::HIERARCHY).then_some(default),
             TraversalChoice::Through(_) if lanes == 1 => Some(default),
             TraversalChoice::Through(traversal) => Some(traversal),
         }

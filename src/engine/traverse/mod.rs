@@ -14,7 +14,7 @@
 //!
 //! [`Primitives`] asks them. They share [`hierarchy`] (nodes and leaves),
 //! `leaf` (how rays intersect triangles), `quadrics` (all else), `compact` (the leaves of large hierarchies),
-//! `prepared` (rays ready for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and
+//! `precalculated` (rays ready for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and
 //! [`counter`], which counts the tests.
 //!
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
@@ -28,7 +28,7 @@ mod leaf;
 mod list;
 mod methods;
 mod occluders;
-mod prepared;
+mod precalculated;
 mod primitive_list;
 mod primitives;
 mod quadrics;
@@ -45,7 +45,7 @@ pub use list::List;
 pub use methods::{MAX_LIST_COST, TRIANGLE_COST, features_of, list_cost};
 pub use methods::{Methods, TraversalChoice, TriangleChoice};
 pub use occluders::Occluders;
-pub use prepared::{Packet, SingleRay};
+pub use precalculated::{Packet, SingleRay};
 pub use primitive_list::PrimitiveList;
 pub use primitives::Primitives;
 pub use quadrics::SphereChoice;

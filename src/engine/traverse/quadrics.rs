@@ -93,7 +93,7 @@ impl Quadrics {
         for at in (0..rays.len()).step_by(L::WIDTH) {
             let ray = rays.packet::<L>(at);
             let (t, primitive) = (rays.t_max(at), L::Bits::splat(MISS));
-            let mut tests = SphereTests::<L, S> { ray: S::prepare(&ray), t, primitive };
+            let mut tests = SphereTests::<L, S> { ray: S::precalculate(&ray), t, primitive };
             if are_culled {
                 let culling = SphereCulling::new(&ray);
                 for first in (0..count).step_by(CHUNK) {
@@ -119,7 +119,7 @@ impl Quadrics {
 
 /// The tests of a packet against spheres in turn.
 struct SphereTests<L: Lane, S: SphereMethod> {
-    ray: S::Prepared<L>,
+    ray: S::Precalculated<L>,
     /// The nearest hits so far: t, and the index of the primitive.
     t: L,
     primitive: L::Bits,
@@ -179,7 +179,7 @@ impl QuadricLeaf {
         let center = Vec3::new(Native::load(x), Native::load(y), Native::load(z));
         let radius2 = Native::load(&self.radius2);
         let limit = Native::splat(inclusive(hit.t));
-        let (mask, t) = Robust::test(&Robust::prepare(&ray), center, radius2, limit);
+        let (mask, t) = Robust::test(&Robust::precalculate(&ray), center, radius2, limit);
         for lane in mask.lanes() {
             keep_if_nearer(true, self.primitives.primitives[lane], [t.get(lane), 0.0, 0.0], hit);
         }
@@ -189,11 +189,11 @@ impl QuadricLeaf {
     #[inline(always)]
     pub fn intersect_packet<L: Lane>(&self, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
         let mut closer = false;
-        let prepared = Robust::prepare(ray);
+        let precalculated = Robust::precalculate(ray);
         for (lane, &primitive) in self.primitives.primitives().iter().enumerate() {
             let (center, radius2) = self.sphere::<L>(lane);
             let infinite = L::splat(f32::INFINITY);
-            let (mask, t) = Robust::test::<L>(&prepared, center, radius2, infinite);
+            let (mask, t) = Robust::test::<L>(&precalculated, center, radius2, infinite);
             closer |= keep_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
         }
         closer

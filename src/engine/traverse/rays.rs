@@ -1,6 +1,6 @@
 //! Rays and hits as columns: what every traversal reads and writes.
 
-use super::prepared::SingleRay;
+use super::precalculated::SingleRay;
 use crate::kernel::ray_box::Padding;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Ray, Vec3};

@@ -3,7 +3,7 @@
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
-use super::prepared::SingleRay;
+use super::precalculated::SingleRay;
 use super::stack::pop_within;
 use crate::bvh::{Child, MAX_DEPTH};
 use crate::kernel::ray_box::BoxRay;

@@ -5,7 +5,7 @@
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
-use super::prepared::{SingleRay, splat_box_ray};
+use super::precalculated::{SingleRay, splat_box_ray};
 use super::stack::{Stack, pop_within};
 use crate::bvh::{Child, WIDE, WideNode};
 use crate::kernel::ray_box::BoxRay;

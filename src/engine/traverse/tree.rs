@@ -2,7 +2,7 @@
 
 use super::counter::{Counter, CounterSink};
 use super::hierarchy::Hierarchy;
-use super::prepared::SingleRay;
+use super::precalculated::SingleRay;
 use super::rays::{Hits, Rays};
 use super::stack::Stack;
 use super::stream::Stream;

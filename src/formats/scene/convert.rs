@@ -157,7 +157,7 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
     let (kind, numbers) = match material.kind {
         MaterialKind::Diffuse => ("diffuse", vec![]),
         MaterialKind::Metal { roughness } => ("metal", vec![("roughness", roughness)]),
-        MaterialKind::Scatter { roughness } => ("scatter", vec![("roughness", roughness)]),
+        MaterialKind::FuzzyMirror { roughness } => ("scatter", vec![("roughness", roughness)]),
         MaterialKind::Glass { ior } | MaterialKind::ThinGlass { ior } => ("glass", vec![("ior", ior)]),
         MaterialKind::Plastic { roughness, ior } => ("plastic", vec![("roughness", roughness), ("ior", ior)]),
         MaterialKind::MetalRough { roughness, metallic, ior } => {

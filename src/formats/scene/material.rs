@@ -44,7 +44,7 @@ pub fn material(
         "glass" if file.thin == Some(true) => MaterialKind::ThinGlass { ior: ior()? },
         "glass" => MaterialKind::Glass { ior: ior()? },
         "scatter" => {
-            MaterialKind::Scatter { roughness: place.key("roughness").not_negative(stated_roughness)? }
+            MaterialKind::FuzzyMirror { roughness: place.key("roughness").not_negative(stated_roughness)? }
         }
         _ => MaterialKind::Emitter,
     };

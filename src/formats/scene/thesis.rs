@@ -230,7 +230,7 @@ impl Loader {
             (MaterialKind::Metal { roughness }, Vec3::ZERO, color.as_vec3())
         } else {
             let roughness = (f64::from(roughness) / REFLECTED_LENGTH) as f32;
-            (MaterialKind::Scatter { roughness }, Vec3::ZERO, color.as_vec3())
+            (MaterialKind::FuzzyMirror { roughness }, Vec3::ZERO, color.as_vec3())
         };
         let mut material = Material { texture, emission, ..Material::new("", kind, color) };
         let key = format!("{material:?}");

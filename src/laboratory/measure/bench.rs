@@ -70,11 +70,11 @@ pub struct Measurement {
     pub needs: Vec<&'static str>,
     /// The traversal of the scene's primitives: `linear` where every one is tested.
     pub traversal: &'static str,
-    /// `needed` (the smallest that has the scene's features) or `general`.
+    /// `auto` (the smallest that has the scene's features) or `general`.
     pub pipeline: &'static str,
     /// Speed over that of the general pipeline at the same width and threads. Of the first engine only;
     /// `None` where the scene uses every feature.
-    pub over_general: Option<Ratio>,
+    pub specialisation: Option<Ratio>,
     /// Of further frames that are not timed; on request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<FrameStats>,
@@ -194,7 +194,7 @@ fn measurement(
         needs: renderer.needs().names(),
         traversal: settings.methods.traversal_name(scene, lanes),
         pipeline: settings.pipeline.name(),
-        over_general: general.and_then(|general| Ratio::of(run, general)),
+        specialisation: general.and_then(|general| Ratio::of(run, general)),
         stats,
     }
 }
@@ -214,7 +214,7 @@ mod tests {
         assert_eq!((found.frames, found.engine), (100, "simd"));
         assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
         assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);
-        let others = (found.speedup, found.scaling, found.over_general);
+        let others = (found.speedup, found.scaling, found.specialisation);
         assert_eq!(others, (None, None, None), "nothing else was timed");
     }
 }

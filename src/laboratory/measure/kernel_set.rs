@@ -46,10 +46,10 @@ pub struct Found {
 pub fn all_spheres<L: Lane, S: SphereMethod>(rays: &[Ray<L>], spheres: &[(Point, f32)]) -> Found {
     let mut sums = HitSums::new();
     for ray in rays {
-        let prepared = S::prepare(ray);
+        let precalculated = S::precalculate(ray);
         for &(center, radius2) in spheres {
             let (mask, t) =
-                S::test(&prepared, Vec3::splat(center), L::splat(radius2), L::splat(f32::INFINITY));
+                S::test(&precalculated, Vec3::splat(center), L::splat(radius2), L::splat(f32::INFINITY));
             sums.add(mask, t);
         }
     }
@@ -66,9 +66,9 @@ pub(crate) fn boxes() -> Vec<[Point; 2]> {
 pub(crate) fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point; 2]]) -> Found {
     let mut sums = HitSums::new();
     for ray in rays {
-        let prepared = B::prepare(ray, Padding::new(EXTENT));
+        let precalculated = B::precalculate(ray, Padding::new(EXTENT));
         for &[lo, hi] in boxes {
-            let (near, far) = B::pass(&prepared, Vec3::splat(lo), Vec3::splat(hi));
+            let (near, far) = B::pass(&precalculated, Vec3::splat(lo), Vec3::splat(hi));
             sums.add(near.le(far) & L::zero().le(far), near);
         }
     }
@@ -79,9 +79,9 @@ pub(crate) fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point;
 pub fn all_triangles<L: Lane, T: TriangleMethod>(rays: &[Ray<L>], triangles: &[T::Stored]) -> Found {
     let mut sums = HitSums::new();
     for ray in rays {
-        let prepared = T::prepare(ray);
+        let precalculated = T::precalculate(ray);
         for triangle in triangles {
-            let hit = T::test(&prepared, triangle, L::splat(f32::INFINITY));
+            let hit = T::test(&precalculated, triangle, L::splat(f32::INFINITY));
             sums.add(hit.mask, hit.t);
         }
     }

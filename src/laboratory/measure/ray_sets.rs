@@ -1,6 +1,6 @@
 //! Rays of a real picture in prepared arrays: camera rays, and secondary rays from their hits.
 //!
-//! For: [`RaySet`], [`Answers`], and both together, [`Prepared`].
+//! For: [`RaySet`], [`Answers`], and both together, [`RaysWithHits`].
 //!
 //! Three kinds ([`Kind`]). Primary rays pass through pixel centres. From each of their hits one shadow ray
 //! and one diffuse ray leave on the side from which the primary ray arrives, cosine-weighted around the
@@ -101,12 +101,12 @@ impl RaySet {
     pub(crate) fn from_hits(
         kind: Kind,
         scene: &Scene,
-        primary: &Prepared,
+        primary: &RaysWithHits,
         pixels: &[[u32; 2]],
         width: u32,
         seed: u32,
     ) -> Self {
-        let Prepared { set: rays, nearest: answers } = primary;
+        let RaysWithHits { set: rays, nearest: answers } = primary;
         let (lower, upper) = scene.bounds();
         // Each kind has the random numbers of another scattering event, and so other directions.
         let (t_max, event) = match kind {
@@ -209,7 +209,7 @@ impl Answers {
 
 /// Rays, and the nearest hit of each before its t_max.
 #[derive(Clone, Debug)]
-pub struct Prepared {
+pub struct RaysWithHits {
     /// The rays.
     pub set: RaySet,
     /// Their nearest hits, by the scalar traversal; also for shadow rays.

@@ -6,10 +6,10 @@
 //! pass's hits are compared with those of the scalar traversal.
 
 use super::quantiles::{Quantiles, Rounds};
-use super::ray_sets::{Answer, Answers, Kind, Prepared, RaySet, pixels};
+use super::ray_sets::{Answer, Answers, Kind, RaySet, RaysWithHits, pixels};
 use super::stats::{RayStats, TestStats};
 use super::timed::Ratio;
-use super::trace::{PreparedScene, TraceMethod, TracePool};
+use super::trace::{AccelerationStructures, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
 use crate::scene::{Camera, Scene};
@@ -75,15 +75,15 @@ const BASELINE: TraceMethod = TraceMethod::Tree(Traversal::Scalar);
 pub fn prepare(
     scene: &Scene,
     camera: &Camera,
-    prepared_scene: &PreparedScene,
+    structures: &AccelerationStructures,
     pool: &TracePool,
     size: [u32; 2],
     seed: u32,
-) -> Vec<Prepared> {
+) -> Vec<RaysWithHits> {
     let prepared = |set: RaySet| {
         let mut nearest = Answers::none(&set);
-        pool.run(|| pool.trace(BASELINE, prepared_scene, &set, &mut nearest, false));
-        Prepared { set, nearest }
+        pool.run(|| pool.trace(BASELINE, structures, &set, &mut nearest, false));
+        RaysWithHits { set, nearest }
     };
     let pixels = pixels(size);
     let primary = prepared(RaySet::primary(&Pinhole::new(camera, size), &pixels));
@@ -158,13 +158,18 @@ impl Run<'_> {
     /// Traces all rays once; returns the seconds. `inline(never)`: `perf/stat.sh` selects this function by
     /// name.
     #[inline(never)]
-    fn pass(&mut self, prepared_scene: &PreparedScene, rays: &Prepared, answers: &mut Answers) -> f64 {
-        let Prepared { set, nearest } = rays;
+    fn pass(
+        &mut self,
+        structures: &AccelerationStructures,
+        rays: &RaysWithHits,
+        answers: &mut Answers,
+    ) -> f64 {
+        let RaysWithHits { set, nearest } = rays;
         let pool = self.pool;
         let seconds = pool.run(|| {
             pool.clear(set, answers);
             let start = Instant::now();
-            pool.trace(self.method, prepared_scene, set, answers, set.kind.any_hit());
+            pool.trace(self.method, structures, set, answers, set.kind.any_hit());
             start.elapsed().as_secs_f64()
         });
         self.hits = answers.count();
@@ -182,8 +187,8 @@ impl Run<'_> {
 /// Times these methods with one kind of rays, each on each pool, in alternating passes: `passes` of them, or
 /// as many as a median needs. Methods that do not apply to the kind are left out.
 pub fn measure(
-    prepared_scene: &PreparedScene,
-    rays: &Prepared,
+    structures: &AccelerationStructures,
+    rays: &RaysWithHits,
     methods: &[TraceMethod],
     pools: &[TracePool],
     passes: Option<u32>,
@@ -200,7 +205,7 @@ pub fn measure(
     }
     // Caches and branch predictors fill, threads start.
     for run in &mut runs {
-        run.pass(prepared_scene, rays, &mut answers);
+        run.pass(structures, rays, &mut answers);
     }
     let start = Instant::now();
     let rounds = match passes.map(|passes| passes as usize) {
@@ -210,7 +215,7 @@ pub fn measure(
     };
     for _ in rounds {
         for run in &mut runs {
-            let seconds = run.pass(prepared_scene, rays, &mut answers);
+            let seconds = run.pass(structures, rays, &mut answers);
             run.seconds.push(seconds);
         }
     }
@@ -219,12 +224,16 @@ pub fn measure(
 
 /// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed: the
 /// counts do not depend on the number of threads. Methods that do not apply to the kind are left out.
-pub fn count(prepared_scene: &PreparedScene, rays: &Prepared, methods: &[TraceMethod]) -> Vec<RayStats> {
-    let Prepared { set, .. } = rays;
+pub fn count(
+    structures: &AccelerationStructures,
+    rays: &RaysWithHits,
+    methods: &[TraceMethod],
+) -> Vec<RayStats> {
+    let RaysWithHits { set, .. } = rays;
     let methods = methods.iter().filter(|&&method| applies(method, set.kind));
     let count = |&method: &TraceMethod| {
         let rays = set.len() as u64;
-        let tests = TestStats::of(&prepared_scene.count(method, set), rays);
+        let tests = TestStats::of(&structures.count(method, set), rays);
         RayStats { kind: set.kind, traversal: method.name(), rays, tests }
     };
     methods.map(count).collect()
@@ -260,9 +269,9 @@ mod tests {
     use crate::measure::ray_sets::secondary_origin;
     use octray_formats::scene::load;
 
-    fn prepared(scene: &Scene, size: [u32; 2], seed: u32) -> Vec<Prepared> {
-        let prepared_scene = PreparedScene::new(scene, Hierarchy::new(scene, Trees::WideAndBinary));
-        prepare(scene, &scene.overview().unwrap(), &prepared_scene, &TracePool::new(2), size, seed)
+    fn prepared(scene: &Scene, size: [u32; 2], seed: u32) -> Vec<RaysWithHits> {
+        let structures = AccelerationStructures::new(scene, Hierarchy::new(scene, Trees::WideAndBinary));
+        prepare(scene, &scene.overview().unwrap(), &structures, &TracePool::new(2), size, seed)
     }
 
     fn vector([x, y, z]: &[Vec<f32>; 3], at: usize) -> glam::Vec3 {
@@ -272,14 +281,14 @@ mod tests {
     #[test]
     fn measure_takes_no_time_where_no_method_applies() {
         let scene = load("builtin:terrain:2").unwrap();
-        let prepared_scene = PreparedScene::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+        let structures = AccelerationStructures::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
         let pools = [TracePool::new(1)];
         let packet = [TraceMethod::Tree(Traversal::Packet)];
-        let sets = prepare(&scene, &scene.overview().unwrap(), &prepared_scene, &pools[0], [64, 48], 0);
+        let sets = prepare(&scene, &scene.overview().unwrap(), &structures, &pools[0], [64, 48], 0);
         for rays in &sets[1..] {
-            assert!(measure(&prepared_scene, rays, &packet, &pools, None).is_empty());
+            assert!(measure(&structures, rays, &packet, &pools, None).is_empty());
         }
-        assert_eq!(measure(&prepared_scene, &sets[0], &packet, &pools, Some(1)).len(), 1);
+        assert_eq!(measure(&structures, &sets[0], &packet, &pools, Some(1)).len(), 1);
     }
 
     #[test]

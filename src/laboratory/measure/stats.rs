@@ -1,4 +1,4 @@
-//! The figures of `--stats`: time by stage, rays by kind, lanes in use by bounce, tests per ray.
+//! The figures of `--stats`: time by stage, rays by kind, SIMD utilisation by bounce, tests per ray.
 //!
 //! For: [`FrameStats`] of rendering, [`RayStats`] of rays in prepared arrays.
 
@@ -20,7 +20,7 @@ pub struct FrameStats {
     pub rays: u64,
     /// Seconds of all stages, summed over the threads, with the cost of the clock and of counting.
     pub seconds: f64,
-    /// By [`Stage`], in the order in which a sample passes them.
+    /// By [`Stage`], in the order in which a path passes them.
     pub stages: Vec<StageStats>,
     /// Primary, bounce and shadow rays.
     pub kinds: Vec<KindStats>,
@@ -63,7 +63,7 @@ pub struct BounceStats {
     /// Packets of these rays; single rays in the scalar renderer.
     pub packets: u64,
     /// Rays over the lanes of the packets.
-    pub lanes_in_use: f64,
+    pub simd_utilisation: f64,
 }
 
 /// The tests of one traversal for one kind of rays.
@@ -137,8 +137,8 @@ impl FrameStats {
             KindStats { kind: kind.name(), rays, tests: TestStats::of(counts, rays) }
         };
         let bounce = |(bounce, &Segment { rays, packets }): (usize, &Segment)| {
-            let lanes_in_use = ratio(rays as f64, (packets * lanes as u64) as f64);
-            BounceStats { bounce, rays, packets, lanes_in_use }
+            let simd_utilisation = ratio(rays as f64, (packets * lanes as u64) as f64);
+            BounceStats { bounce, rays, packets, simd_utilisation }
         };
         Self {
             lanes,

@@ -1,6 +1,6 @@
 //! The traversals that trace a set of rays, on one thread or many.
 //!
-//! For: [`TraceMethod`], [`PreparedScene`] (what every method reads) and [`TracePool`].
+//! For: [`TraceMethod`], [`AccelerationStructures`] (what every method traverses) and [`TracePool`].
 
 use super::ray_sets::{Answers, RaySet};
 use crate::lane::{NATIVE_WIDTH, Native};
@@ -47,7 +47,7 @@ impl TraceMethod {
     /// The chosen method; `None` for the automatic choice.
     pub fn of(choice: TraversalChoice) -> Option<Self> {
         match choice {
-            TraversalChoice::Needed => None,
+            TraversalChoice::Auto => None,
             TraversalChoice::Linear => Some(Self::Linear),
             TraversalChoice::Through(traversal) => Some(Self::Tree(traversal)),
         }
@@ -58,14 +58,14 @@ impl TraceMethod {
     }
 }
 
-/// A scene with the hierarchy and the buffers that all methods read.
-pub struct PreparedScene {
+/// The acceleration structures of a scene that the methods read.
+pub struct AccelerationStructures {
     /// Wide and binary trees: some traversals read the one, some the other.
     pub(crate) hierarchy: Hierarchy,
     list: List,
 }
 
-impl PreparedScene {
+impl AccelerationStructures {
     /// Stores a list of the primitives beside a hierarchy of the same scene.
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
         Self { hierarchy, list: List::new(scene, Methods::default()) }
@@ -141,13 +141,13 @@ impl TracePool {
     pub fn trace(
         &self,
         method: TraceMethod,
-        prepared_scene: &PreparedScene,
+        structures: &AccelerationStructures,
         set: &RaySet,
         answers: &mut Answers,
         any_hit: bool,
     ) {
         self.each_chunk(set.len(), answers, |first, hits| {
-            self.trace_chunk(method, prepared_scene, set, first, hits, any_hit);
+            self.trace_chunk(method, structures, set, first, hits, any_hit);
         });
     }
 
@@ -156,14 +156,14 @@ impl TracePool {
     fn trace_chunk(
         &self,
         method: TraceMethod,
-        prepared_scene: &PreparedScene,
+        structures: &AccelerationStructures,
         set: &RaySet,
         first: usize,
         hits: &mut Hits,
         any_hit: bool,
     ) {
         let range = first..first + hits.t.len();
-        prepared_scene.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit, None);
+        structures.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit, None);
     }
 
     /// All answers at once on one thread, in chunks on more; `work` takes the number of its first ray.

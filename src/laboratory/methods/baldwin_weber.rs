@@ -19,7 +19,7 @@ pub struct AffineMap {
 
 impl TriangleMethod for BaldwinWeber {
     type Stored = AffineMap;
-    type Prepared<L: Lane> = Ray<L>;
+    type Precalculated<L: Lane> = Ray<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> AffineMap {
         // In f64, because the rounding of the map is the method's largest error; it is computed once per
@@ -36,7 +36,7 @@ impl TriangleMethod for BaldwinWeber {
         AffineMap { rows: [row(row_u), row(row_v), row(row_n)] }
     }
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Ray<L> {
         *ray
     }
     #[inline(always)]

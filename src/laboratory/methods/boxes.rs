@@ -19,13 +19,13 @@ use crate::math::{Ray, Vec3};
 /// not above the upper one.
 pub trait BoxMethod: Send + Sync + 'static {
     /// What is computed once per ray.
-    type Prepared<L: Lane>: Copy;
+    type Precalculated<L: Lane>: Copy;
 
     /// Methods without padding ignore `padding`.
-    fn prepare<L: Lane>(ray: &Ray<L>, padding: Padding) -> Self::Prepared<L>;
+    fn precalculate<L: Lane>(ray: &Ray<L>, padding: Padding) -> Self::Precalculated<L>;
 
     /// The t at which each ray enters and leaves its box, given by its lower and upper corner.
-    fn pass<L: Lane>(ray: &Self::Prepared<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L);
+    fn pass<L: Lane>(ray: &Self::Precalculated<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L);
 }
 
 /// [`BoxRay`] as a [`BoxMethod`].
@@ -36,10 +36,10 @@ pub trait BoxMethod: Send + Sync + 'static {
 pub struct Padded;
 
 impl BoxMethod for Padded {
-    type Prepared<L: Lane> = BoxRay<L>;
+    type Precalculated<L: Lane> = BoxRay<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, padding: Padding) -> BoxRay<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>, padding: Padding) -> BoxRay<L> {
         BoxRay::new(ray, padding)
     }
     #[inline(always)]
@@ -88,10 +88,10 @@ fn intersect<L: Lane>(near: Vec3<L>, far: Vec3<L>) -> (L, L) {
 pub struct BySign;
 
 impl BoxMethod for BySign {
-    type Prepared<L: Lane> = Inverse<L>;
+    type Precalculated<L: Lane> = Inverse<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
         Inverse::new(ray)
     }
     #[inline(always)]
@@ -107,10 +107,10 @@ impl BoxMethod for BySign {
 pub struct BySignWidened;
 
 impl BoxMethod for BySignWidened {
-    type Prepared<L: Lane> = Inverse<L>;
+    type Precalculated<L: Lane> = Inverse<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
         Inverse::new(ray)
     }
     #[inline(always)]
@@ -136,10 +136,10 @@ pub struct Fused<L> {
 }
 
 impl BoxMethod for Contracted {
-    type Prepared<L: Lane> = Fused<L>;
+    type Precalculated<L: Lane> = Fused<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Fused<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>, _: Padding) -> Fused<L> {
         let Inverse { origin, inverse } = Inverse::new(ray);
         Fused { inverse, rest: -(origin * inverse) }
     }
@@ -167,10 +167,10 @@ impl BoxMethod for Contracted {
 pub struct X86MinMax;
 
 impl BoxMethod for X86MinMax {
-    type Prepared<L: Lane> = Inverse<L>;
+    type Precalculated<L: Lane> = Inverse<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
         Inverse::new(ray)
     }
     #[inline(always)]
@@ -186,10 +186,10 @@ impl BoxMethod for X86MinMax {
 pub struct IeeeMinMax;
 
 impl BoxMethod for IeeeMinMax {
-    type Prepared<L: Lane> = Inverse<L>;
+    type Precalculated<L: Lane> = Inverse<L>;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
         Inverse::new(ray)
     }
     #[inline(always)]

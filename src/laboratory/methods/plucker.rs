@@ -14,13 +14,13 @@ pub struct Plucker;
 
 impl TriangleMethod for Plucker {
     type Stored = [glam::Vec3; 3];
-    type Prepared<L: Lane> = Ray<L>;
+    type Precalculated<L: Lane> = Ray<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> [glam::Vec3; 3] {
         vertices
     }
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Ray<L> {
         *ray
     }
     #[inline(always)]

@@ -18,11 +18,11 @@ pub struct Scaled<L> {
 }
 
 impl SphereMethod for RobustAnyLength {
-    type Prepared<L: Lane> = Scaled<L>;
+    type Precalculated<L: Lane> = Scaled<L>;
     const MAY_CULL: bool = false;
 
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Scaled<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Scaled<L> {
         let a = ray.direction.dot(ray.direction);
         Scaled { ray: *ray, a, inverse_a: L::one() / a }
     }
@@ -60,13 +60,13 @@ pub struct MollerTrumboreEpsilon;
 
 impl TriangleMethod for MollerTrumboreEpsilon {
     type Stored = Edges;
-    type Prepared<L: Lane> = Ray<L>;
+    type Precalculated<L: Lane> = Ray<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> Edges {
         MollerTrumbore::store(vertices)
     }
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Ray<L> {
         *ray
     }
     #[inline(always)]
@@ -83,14 +83,14 @@ pub struct WoopContracted;
 
 impl TriangleMethod for WoopContracted {
     type Stored = [glam::Vec3; 3];
-    type Prepared<L: Lane> = WoopRay<L>;
+    type Precalculated<L: Lane> = WoopRay<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> [glam::Vec3; 3] {
         vertices
     }
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
-        Woop::prepare(ray)
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
+        Woop::precalculate(ray)
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &WoopRay<L>, vertices: &[glam::Vec3; 3], limit: L) -> TriangleHit<L> {

@@ -139,7 +139,7 @@ fn sample_lobe(
             let reflects = number(LOBE) < 2.0 * once / (1.0 + once);
             return Some(if reflects { (reflect(d, n), DVec3::ONE, true) } else { (d, color, true) });
         }
-        MaterialKind::Scatter { roughness } => {
+        MaterialKind::FuzzyMirror { roughness } => {
             let roughness = f64::from(roughness) * rougher;
             is_delta = roughness < NARROWEST_CONE;
             let w = reflect(d, n) + on_sphere(number) * roughness;
@@ -167,7 +167,7 @@ pub(super) fn width(kind: MaterialKind, rougher: f64) -> f64 {
     match kind {
         MaterialKind::Diffuse => 1.0,
         MaterialKind::Metal { roughness } => alpha(roughness),
-        MaterialKind::Scatter { roughness } => (f64::from(roughness) * rougher).min(1.0),
+        MaterialKind::FuzzyMirror { roughness } => (f64::from(roughness) * rougher).min(1.0),
         // Under a smooth coat it is the base.
         MaterialKind::Plastic { roughness, .. } | MaterialKind::MetalRough { roughness, .. } => {
             if alpha(roughness) < NARROWEST_ALPHA { 1.0 } else { alpha(roughness) }

@@ -62,8 +62,8 @@ const ORIGIN_OFFSET: f64 = 1e-12;
 
 /// A ray cone meets surfaces at no smaller cosine.
 const LEAST_COSINE: f64 = 1e-3;
-/// What the widest lobe adds to the spread of a ray cone, as in the engine.
-const LOBE_SPREAD: f64 = 0.375;
+/// What the widest lobe adds to the angle of a ray cone, as in the engine.
+const LOBE_ANGLE: f64 = 0.375;
 
 impl Reference {
     /// The average of the pixel's samples 0 to `samples` − 1, in linear RGB; black without samples.
@@ -99,12 +99,12 @@ impl Reference {
         let mut vertices = Vec::new();
         // The ray cone: width in scene units, and what it grows by in a unit of distance. Half a pixel wide.
         let half_height = (f64::from(self.camera.vertical_fov).to_radians() / 2.0).tan();
-        let (mut width, mut spread) = (0.0, half_height / f64::from(settings.resolution[1]));
+        let (mut width, mut cone_angle) = (0.0, half_height / f64::from(settings.resolution[1]));
         for b in 0..=settings.max_bounces {
             // 2. The nearest hit.
             let vertex = PathVertex { throughput: throughput.into(), ..PathVertex::default() };
             let Some(hit) = self.closest(origin, direction) else {
-                let emitted = throughput * self.sky(direction, spread);
+                let emitted = throughput * self.sky(direction, cone_angle);
                 radiance += emitted;
                 vertices.push(PathVertex { emitted: emitted.into(), radiance: radiance.into(), ..vertex });
                 break;
@@ -114,7 +114,7 @@ impl Reference {
             let surface = primitive.surface(origin + direction * hit.t, hit.u, hit.v);
             let material = &self.materials[surface.material];
             let cosine = -direction.dot(surface.ng);
-            width += spread * hit.t;
+            width += cone_angle * hit.t;
             // The longer side of what the cone covers.
             let length = width / cosine.abs().max(LEAST_COSINE);
             let area = width * length * surface.density;
@@ -155,12 +155,12 @@ impl Reference {
             };
             throughput *= weight;
             if !lobes::is_glass(kind) {
-                spread += 2.0 * surface.curvature.copysign(cosine) * length;
+                cone_angle += 2.0 * surface.curvature.copysign(cosine) * length;
             }
             if !is_delta {
-                spread += LOBE_SPREAD * lobes::width(kind, roughness);
+                cone_angle += LOBE_ANGLE * lobes::width(kind, roughness);
             }
-            spread = spread.clamp(-1.0, 1.0);
+            cone_angle = cone_angle.clamp(-1.0, 1.0);
             direction = scattered.normalize();
             vertices[b as usize].lobe = Some(lobe(is_delta, direction.dot(normals.ns_diffuse)));
             let side = 1.0_f64.copysign(direction.dot(normals.ng));
@@ -201,14 +201,14 @@ impl Reference {
         (position, (forward + right * across + up * upwards).normalize())
     }
 
-    /// The radiance of the sky in the unit direction `d`, in a cone of the angle `spread`.
-    fn sky(&self, d: DVec3, spread: f64) -> DVec3 {
+    /// The radiance of the sky in the unit direction `d`, in a cone of the angle `cone_angle`.
+    fn sky(&self, d: DVec3, cone_angle: f64) -> DVec3 {
         match self.sky {
             Sky::Color(color) => color.as_dvec3(),
             Sky::Gradient { bottom, top } => bottom.as_dvec3().lerp(top.as_dvec3(), 0.5 * (d.y + 1.0)),
             Sky::Texture { texture, color, turn } => {
                 let at = texture::on_sphere(d, f64::from(turn), Side::Inside);
-                let area = spread * spread / (TAU * PI * d.x.hypot(d.z));
+                let area = cone_angle * cone_angle / (TAU * PI * d.x.hypot(d.z));
                 color.as_dvec3() * self.lookup(Some(texture), at, false, area)
             }
         }

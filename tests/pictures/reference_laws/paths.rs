@@ -51,7 +51,7 @@ fn white_furnace_is_white_where_nothing_is_absorbed() {
 #[test]
 fn white_furnace_never_exceeds_one_where_something_is_absorbed() {
     for kind in
-        [0.05, 0.3, 1.0].into_iter().flat_map(|roughness| [Metal { roughness }, Scatter { roughness }])
+        [0.05, 0.3, 1.0].into_iter().flat_map(|roughness| [Metal { roughness }, FuzzyMirror { roughness }])
     {
         for scene in [wide(ball(kind)), wide(wall(kind))] {
             let judge = Reference::new(&scene);
@@ -217,8 +217,8 @@ fn path_follows_the_directions_of_the_estimator() {
     let n = scene.camera.position.normalize();
     let lane = |v: Vec3| octray::math::Vec3::<f32>::new(v.x, v.y, v.z);
     let mut lobe = scene.clone();
-    lobe.materials[0].kind = Scatter { roughness: 2.0 };
-    let (diffuse, scatter) = (Reference::new(&scene), Reference::new(&lobe));
+    lobe.materials[0].kind = FuzzyMirror { roughness: 2.0 };
+    let (diffuse, fuzzy) = (Reference::new(&scene), Reference::new(&lobe));
     for (sampler, sample) in (0..500).flat_map(|sample| [(Sampler::Sobol, sample), (Sampler::Random, sample)])
     {
         let settings = PathSettings { resolution: [5, 3], max_bounces: 1, seed: 11, sampler };
@@ -236,7 +236,7 @@ fn path_follows_the_directions_of_the_estimator() {
 
         let s = warp::sample_uniform_sphere(u, v);
         let w = n + vec3(s.x, s.y, s.z) * 2.0;
-        let found = scatter.path(settings, 4, 2, sample)[0];
+        let found = fuzzy.path(settings, 4, 2, sample)[0];
         let expected = if w.dot(n) > 0.0 { 0.5 * (w.normalize().y + 1.0) } else { 0.0 };
         let near = (found - f64::from(expected)).abs() < 1e-5;
         assert!(near || w.dot(n).abs() < 1e-5, "sample {sample}: {w}, {found}");
@@ -272,7 +272,7 @@ fn camera_rays_span_the_field_of_view() {
 
 #[test]
 fn pixel_is_the_average_of_its_paths() {
-    let judge = Reference::new(&wide(ball(Scatter { roughness: 1.0 })));
+    let judge = Reference::new(&wide(ball(FuzzyMirror { roughness: 1.0 })));
     let settings = PathSettings { resolution: [4, 3], max_bounces: 3, seed: 1, sampler: Default::default() };
     let sum: f64 = (0..10).map(|sample| judge.path(settings, 1, 2, sample)[1]).sum();
     assert_eq!(judge.pixel(settings, 1, 2, 10)[1], sum / 10.0);

@@ -39,7 +39,7 @@ fn aim(rng: &mut Rng, origin: Vec3, target: Vec3) -> Vec3 {
 
 /// One sphere, a ray aimed within 1.2 radii of its centre: every distance and size, eyes inside, outside and
 /// lifted off the surface; and a ray in three straight at the outline.
-fn sphere_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
+fn sphere_inputs(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
     let radius = scale(rng, 1e-6, 1e6);
     let center = direction(rng) * scale(rng, 1e-3, 1e3);
     let normal = direction(rng);
@@ -60,7 +60,7 @@ fn sphere_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
 
 /// One triangle, from round to sliver, at every size and distance; a ray in three at an edge, one in three
 /// edge-on.
-fn triangle_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
+fn triangle_inputs(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
     let (size, distance) = (scale(rng, 1e-3, 1e3), scale(rng, 1e-2, 1e4));
     let corner = direction(rng) * scale(rng, 1e-2, 1e2);
     let edge = direction(rng) * size;
@@ -84,10 +84,10 @@ fn triangle_recipe(rng: &mut Rng) -> (Scene, Vec3, Vec3) {
 #[test]
 fn rounding_of_a_good_kernel_is_right() {
     let mut rng = Rng(3);
-    for recipe in [sphere_recipe, triangle_recipe] {
+    for inputs in [sphere_inputs, triangle_inputs] {
         let mut hits = 0;
         for ray in 0..100_000 {
-            let (scene, origin, d) = recipe(&mut rng);
+            let (scene, origin, d) = inputs(&mut rng);
             let found = answer(&scene, SphereChoice::Robust, origin, d);
             hits += u32::from(found.1 != MISS);
             let verdict = judge(&scene, origin, d, found);
@@ -105,7 +105,7 @@ fn weights_of_a_good_kernel_are_right_and_wrong_ones_are_flagged() {
     let mut rng = Rng(13);
     let (mut judged, mut flagged) = (0, [0; 4]);
     for ray in 0..100_000 {
-        let (scene, origin, d) = triangle_recipe(&mut rng);
+        let (scene, origin, d) = triangle_inputs(&mut rng);
         let d = d.normalize();
         let [_, primitive, u, v] = nearest(&scene, SphereChoice::Robust, origin, d);
         if primitive == MISS {
@@ -259,9 +259,9 @@ fn only_a_miss_is_right_along_no_direction() {
 #[test]
 fn closest_is_right_by_its_own_verdict() {
     let mut rng = Rng(11);
-    for recipe in [sphere_recipe, triangle_recipe] {
+    for inputs in [sphere_inputs, triangle_inputs] {
         for _ in 0..20_000 {
-            let (scene, origin, d) = recipe(&mut rng);
+            let (scene, origin, d) = inputs(&mut rng);
             let hit = Reference::new(&scene).closest(origin.as_dvec3(), d.as_dvec3());
             let (t, primitive) = hit.map_or((f32::INFINITY, MISS), |hit| (hit.t as f32, hit.primitive));
             let verdict = judge(&scene, origin, d, (t, primitive));

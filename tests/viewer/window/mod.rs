@@ -190,7 +190,7 @@ fn a_number_of_frames_ends_with_figures_of_them() {
     assert_eq!(report["frames"], 400);
     // A frame comes when it is due and not before: 60 a second unless the display says otherwise.
     assert!((0.5..80.0).contains(&number("fps")), "{report}");
-    assert!(number("samples") >= 200.0 && number("samples_per_s") > number("fps"), "{report}");
+    assert!(number("passes") >= 200.0 && number("passes_per_s") > number("fps"), "{report}");
     let shares = [number("tracing_share"), number("painting_share")];
     assert!(shares.iter().all(|share| *share > 0.0) && shares.iter().sum::<f64>() < 1.05, "{report}");
     assert!(number("painting_ms") > 0.0 && number("presenting_ms") > 0.0, "{report}");

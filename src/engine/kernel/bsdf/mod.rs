@@ -16,12 +16,12 @@
 
 pub mod diffuse;
 mod fresnel;
+pub mod fuzzy_mirror;
 pub mod ggx;
 pub mod glass;
 pub mod metal_rough;
 pub mod mirror;
 pub mod plastic;
 mod sample;
-pub mod scatter;
 
 pub use sample::{BsdfEval, BsdfSample, LobeEval};

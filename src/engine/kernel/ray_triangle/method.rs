@@ -44,14 +44,14 @@ pub trait TriangleMethod: Send + Sync + 'static {
     /// One triangle in memory.
     type Stored: Copy + Send + Sync;
     /// What is computed once per ray.
-    type Prepared<L: Lane>: Copy;
+    type Precalculated<L: Lane>: Copy;
 
     /// A triangle as it is kept in memory.
     fn store(vertices: [glam::Vec3; 3]) -> Self::Stored;
-    /// Prepares a ray for all triangles.
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Self::Prepared<L>;
+    /// Precalculates a ray for all triangles.
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Self::Precalculated<L>;
     /// The hit of each lane before its `limit`.
-    fn test<L: Lane>(ray: &Self::Prepared<L>, triangle: &Self::Stored, limit: L) -> TriangleHit<L>;
+    fn test<L: Lane>(ray: &Self::Precalculated<L>, triangle: &Self::Stored, limit: L) -> TriangleHit<L>;
 
     /// Finds triangles whose successor continues them: a, b, c before a, c, d, as polygons are cut. No
     /// triangle is in two such pairs.
@@ -66,7 +66,7 @@ pub trait TriangleMethod: Send + Sync + 'static {
     /// [`TriangleMethod::test`] of a linked triangle and its successor without a limit, or `None` if some ray
     /// may hit both: it passes their common edge, or they are degenerate. Then test one after the other.
     #[inline(always)]
-    fn test_pair<L: Lane>(_: &Self::Prepared<L>, _: [&Self::Stored; 2]) -> Option<PairHit<L>> {
+    fn test_pair<L: Lane>(_: &Self::Precalculated<L>, _: [&Self::Stored; 2]) -> Option<PairHit<L>> {
         None
     }
 

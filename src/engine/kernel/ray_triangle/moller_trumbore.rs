@@ -22,13 +22,13 @@ pub struct MollerTrumbore;
 
 impl TriangleMethod for MollerTrumbore {
     type Stored = Edges;
-    type Prepared<L: Lane> = Ray<L>;
+    type Precalculated<L: Lane> = Ray<L>;
 
     fn store([a, b, c]: [glam::Vec3; 3]) -> Edges {
         Edges { a, ab: b - a, ac: c - a }
     }
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Ray<L> {
         *ray
     }
     #[inline(always)]

@@ -273,7 +273,7 @@ const ORDERS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
 
 impl TriangleMethod for Woop {
     type Stored = WoopTriangle;
-    type Prepared<L: Lane> = WoopRay<L>;
+    type Precalculated<L: Lane> = WoopRay<L>;
 
     fn store(vertices: [glam::Vec3; 3]) -> WoopTriangle {
         let ([a, b, c], [lo, hi]) = (vertices, triangle_bounds(vertices));
@@ -306,7 +306,7 @@ impl TriangleMethod for Woop {
         triangle.rows[2][LINKED] != 0.0
     }
     #[inline(always)]
-    fn prepare<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
         WoopRay::new(ray)
     }
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! The rays of a list against the boxes of a node.
 
 use super::listed::{BATCH, ListedRay};
-use super::prepared_ray::{ORDERS_BY_T, PreparedRay};
+use super::stream_ray::{ORDERS_BY_T, StreamRay};
 use crate::bvh::WIDE;
 use crate::lane::{Bits, Lane, Mask, Native};
 use crate::math::Vec3;
@@ -51,13 +51,13 @@ fn max<L: Lane>(a: L, b: L) -> L {
 pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     boxes: &Boxes,
     list: &[u16],
-    (prepared, octants): (&[PreparedRay; BATCH], &[u8; BATCH]),
+    (stream_rays, octants): (&[StreamRay; BATCH], &[u8; BATCH]),
     masks: &mut [u16],
     distances: &mut [f32; WIDE],
 ) -> u32 {
     type L = Native;
     // Loaded once: the compiler cannot know that masks do not lie where boxes do.
-    let octant = octants[ListedRay::new(list[0], prepared).ray()];
+    let octant = octants[ListedRay::new(list[0], stream_rays).ray()];
     let (of_octant_0, of_first_ray) = (in_order::<L>(boxes, 0), in_order::<L>(boxes, octant));
     let occupied = of_octant_0.0.x.le(of_octant_0.1.x).bitmask();
     // Along each axis, the place in `rest` of the number of the first plane, and of that of the second.
@@ -66,8 +66,8 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     let of_second = [3 - of_first[0], 5 - of_first[1], 7 - of_first[2]];
     let (mut all, mut sum) = (0, L::zero());
     for (mask, &entry) in masks.iter_mut().zip(list) {
-        let listed = ListedRay::new(entry, prepared);
-        let ray = listed.prepared;
+        let listed = ListedRay::new(entry, stream_rays);
+        let ray = listed.stream_ray;
         let [x, y, z] = &ray.inverse;
         let inverse = Vec3 { x, y, z }.broadcast();
         let rest = |places: [usize; 3]| {

@@ -1,7 +1,7 @@
 //! Triangles ahead of rays, of which hits are accepted as many at a time as a vector has lanes.
 
 use super::listed::{BATCH, axes_of, rays_of, update_hit};
-use super::prepared_ray::PreparedRay;
+use super::stream_ray::StreamRay;
 use crate::bvh::LEAF;
 use crate::kernel::ray_box::own_box;
 use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, NativeMask};
@@ -55,10 +55,10 @@ impl HitBatch {
 
     /// Stores the hits that are nearer than those so far. Then it is empty again.
     #[inline(never)]
-    pub fn accept<const ANY: bool>(&mut self, prepared: &mut [PreparedRay; BATCH], hits: &mut Hits) {
+    pub fn accept<const ANY: bool>(&mut self, stream_rays: &mut [StreamRay; BATCH], hits: &mut Hits) {
         let filled = NativeMask::first(std::mem::take(&mut self.filled));
         let entries = NativeBits::load(&self.entries);
-        let (box_ray, woop, limit) = PreparedRay::columns(prepared, rays_of(entries), axes_of(entries));
+        let (box_ray, woop, limit) = StreamRay::columns(stream_rays, rays_of(entries), axes_of(entries));
         let corner =
             |[x, y, z]: &[Column<f32>; 3]| Vec3::new(Native::load(x), Native::load(y), Native::load(z));
         let [a, b, c] = &self.corners;
@@ -76,7 +76,7 @@ impl HitBatch {
         // compares anew.
         for lane in (mask & t.le(limit)).lanes() {
             let lane = lane & (NATIVE_WIDTH - 1);
-            update_hit::<ANY>(self.entries[lane] as u16, prepared, hits, |listed, hits| {
+            update_hit::<ANY>(self.entries[lane] as u16, stream_rays, hits, |listed, hits| {
                 let mut hit = listed.hit(hits);
                 keep_if_nearer(true, self.primitives[lane], [ts[lane], us[lane], vs[lane]], &mut hit);
                 Some(hit)

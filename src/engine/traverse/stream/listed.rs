@@ -1,6 +1,6 @@
 //! The entries of a stream's lists: rays of a batch, and how their hits are kept.
 
-use super::prepared_ray::PreparedRay;
+use super::stream_ray::StreamRay;
 use crate::kernel::ray_triangle::{StoredWoopRay, WoopRay};
 use crate::lane::{Bits, NativeBits};
 use crate::math::Hit;
@@ -8,7 +8,7 @@ use crate::traverse::leaf::TriangleLeaf;
 use crate::traverse::rays::Hits;
 
 /// Rays of a batch: the most that a list entry can hold. Large batches share the reads of a large tree; the
-/// prepared rays, 64 bytes each, need not stay in the second-level cache, as lists are read in order. Half as
+/// stream rays, 64 bytes each, need not stay in the second-level cache, as lists are read in order. Half as
 /// many are 3 % faster on 4,000 triangles, 2 to 10 % slower on 100,000 and more.
 pub const BATCH: usize = 16_384;
 
@@ -38,14 +38,14 @@ pub fn axes_of(entries: NativeBits) -> NativeBits {
 /// A ray of a list.
 pub struct ListedRay<'a> {
     entry: u16,
-    /// The prepared ray.
-    pub prepared: &'a PreparedRay,
+    /// The ray in the stream's form.
+    pub stream_ray: &'a StreamRay,
 }
 
 impl<'a> ListedRay<'a> {
     #[inline(always)]
-    pub fn new(entry: u16, prepared: &'a [PreparedRay; BATCH]) -> Self {
-        Self { entry, prepared: &prepared[entry as usize & (BATCH - 1)] }
+    pub fn new(entry: u16, stream_rays: &'a [StreamRay; BATCH]) -> Self {
+        Self { entry, stream_ray: &stream_rays[entry as usize & (BATCH - 1)] }
     }
     /// Its index in the batch.
     #[inline(always)]
@@ -59,23 +59,23 @@ impl<'a> ListedRay<'a> {
     /// As triangle tests take it.
     #[inline(always)]
     pub fn woop(&self) -> WoopRay<f32> {
-        self.prepared.woop(self.axis())
+        self.stream_ray.woop(self.axis())
     }
     /// The same where it is.
     #[inline(always)]
     pub fn stored_woop(&self) -> StoredWoopRay<'_> {
-        self.prepared.stored_woop(self.axis())
+        self.stream_ray.stored_woop(self.axis())
     }
     /// Its nearest hit so far.
     #[inline(always)]
     pub fn hit(&self, hits: &Hits) -> Hit<f32> {
-        Hit { t: self.prepared.t, ..hits.get(self.ray()) }
+        Hit { t: self.stream_ray.t, ..hits.get(self.ray()) }
     }
     /// Its nearest hit after those triangles of a leaf whose bits are set.
     #[inline(always)]
     pub fn accept(&self, leaf: &TriangleLeaf, candidates: u32, hits: &Hits) -> Hit<f32> {
         let mut hit = self.hit(hits);
-        leaf.accept(candidates, &self.woop(), &self.prepared.box_ray(), &mut hit);
+        leaf.accept(candidates, &self.woop(), &self.stream_ray.box_ray(), &mut hit);
         hit
     }
 }
@@ -85,16 +85,16 @@ impl<'a> ListedRay<'a> {
 #[inline(always)]
 pub fn update_hit<const ANY: bool>(
     entry: u16,
-    prepared: &mut [PreparedRay; BATCH],
+    stream_rays: &mut [StreamRay; BATCH],
     hits: &mut Hits,
     find: impl FnOnce(&ListedRay, &Hits) -> Option<Hit<f32>>,
 ) {
-    let listed = ListedRay::new(entry, prepared);
-    if ANY && listed.prepared.t < 0.0 {
+    let listed = ListedRay::new(entry, stream_rays);
+    if ANY && listed.stream_ray.t < 0.0 {
         return;
     }
     if let Some(hit) = find(&listed, hits) {
         let ray = listed.ray();
-        prepared[ray].store_hit::<ANY>(ray, &hit, hits);
+        stream_rays[ray].store_hit::<ANY>(ray, &hit, hits);
     }
 }

@@ -14,7 +14,7 @@
 mod boxes;
 mod hit_batch;
 mod listed;
-mod prepared_ray;
+mod stream_ray;
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
@@ -29,7 +29,7 @@ use boxes::pass_boxes;
 use hit_batch::HitBatch;
 pub use listed::BATCH;
 use listed::{ListedRay, entry_of, update_hit};
-use prepared_ray::PreparedRay;
+use stream_ray::StreamRay;
 
 /// From this many pairs of a ray and a leaf on, triangles are tested in two loops. From 16 to 128 are alike
 /// within 2 %.
@@ -40,7 +40,7 @@ const MAX_LEAVES: usize = 2;
 
 /// Working memory of a thread: two MiB.
 pub struct Stream {
-    prepared: Box<[PreparedRay; BATCH]>,
+    stream_rays: Box<[StreamRay; BATCH]>,
     /// The axes of the rays' triangle tests, and from bit 8 on the octants.
     axes: Box<[u32; BATCH]>,
     /// The rays' octants: one bit for each axis along which a ray runs backwards.
@@ -72,7 +72,7 @@ impl Stream {
     /// Empty, with room for a batch.
     pub fn new() -> Self {
         Self {
-            prepared: bytemuck::zeroed_box(),
+            stream_rays: bytemuck::zeroed_box(),
             axes: bytemuck::zeroed_box(),
             octants: bytemuck::zeroed_box(),
             lists: vec![0; 16 * BATCH],
@@ -141,8 +141,8 @@ impl Stream {
 
     #[inline(always)]
     fn prepare(&mut self, at: usize, ray: &Ray<F32x8>, padding: Padding, t: F32x8) {
-        let (prepared, axes, octants) = PreparedRay::of_packet(ray, padding, t);
-        self.prepared[at..at + F32x8::WIDTH].copy_from_slice(&prepared);
+        let (stream_rays, axes, octants) = StreamRay::of_packet(ray, padding, t);
+        self.stream_rays[at..at + F32x8::WIDTH].copy_from_slice(&stream_rays);
         (axes | octants.shl(8)).store(&mut self.axes[at..]);
     }
 }
@@ -168,9 +168,9 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     ) {
         let node = &self.hierarchy.bvh.wide[node];
         self.counter.node(node, count);
-        let Stream { prepared, octants, lists, slots: tags, masks, .. } = &mut *self.stream;
+        let Stream { stream_rays, octants, lists, slots: tags, masks, .. } = &mut *self.stream;
         let mut distances = [0.0; WIDE];
-        let (list, rays) = (&lists[start..start + count], (&**prepared, &**octants));
+        let (list, rays) = (&lists[start..start + count], (&**stream_rays, &**octants));
         let all = pass_boxes::<ANY, ONE>(node.boxes(), list, rays, masks, &mut distances);
         if all == 0 {
             return;
@@ -249,11 +249,11 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
     #[inline(never)]
     fn triangles<const ANY: bool>(&mut self, node: &WideNode, reached: u32, start: usize, count: usize) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { prepared, lists, slots, leaves, .. } = &mut **stream;
+        let Stream { stream_rays, lists, slots, leaves, .. } = &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         for (&entry, &slot) in lists[start..start + count].iter().zip(&*slots) {
             let slot = usize::from(slot) & (WIDE - 1);
-            update_hit::<ANY>(entry, prepared, hits, |listed, hits| {
+            update_hit::<ANY>(entry, stream_rays, hits, |listed, hits| {
                 counter.leaf(hierarchy, node.children()[slot], 1);
                 let candidates = leaves[slot].candidates(listed.stored_woop());
                 (candidates != 0).then(|| listed.accept(leaves[slot], candidates, hits))
@@ -274,14 +274,14 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         count: usize,
     ) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { prepared, lists, slots: tags, masks, found, iota, leaves, candidates, .. } =
+        let Stream { stream_rays, lists, slots: tags, masks, found, iota, leaves, candidates, .. } =
             &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         let slot_of = |slot: u8| usize::from(slot) & (WIDE - 1);
         let pairs = lists[start..start + count].chunks(BATCH).zip(tags.chunks(BATCH));
         for (entries, slots) in pairs {
             for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
-                let (slot, listed) = (slot_of(slot), ListedRay::new(entry, prepared));
+                let (slot, listed) = (slot_of(slot), ListedRay::new(entry, stream_rays));
                 counter.leaf(hierarchy, node.children()[slot], 1);
                 *mask = leaves[slot].candidates(listed.stored_woop()) as u16;
             }
@@ -297,21 +297,21 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
                 let leaf = leaves[slot_of(slots[place])];
                 for triangle in set_bits(u32::from(masks[place])) {
                     if candidates.push(entries[place], leaf, triangle) {
-                        candidates.accept::<ANY>(prepared, hits);
+                        candidates.accept::<ANY>(stream_rays, hits);
                     }
                 }
             }
             if !candidates.is_empty() {
-                candidates.accept::<ANY>(prepared, hits);
+                candidates.accept::<ANY>(stream_rays, hits);
             }
         }
     }
 
     fn quadrics<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
-        let Stream { prepared, lists, .. } = &mut **stream;
+        let Stream { stream_rays, lists, .. } = &mut **stream;
         for &entry in &lists[start..start + count] {
-            update_hit::<ANY>(entry, prepared, hits, |listed, hits| {
+            update_hit::<ANY>(entry, stream_rays, hits, |listed, hits| {
                 counter.leaf(hierarchy, leaf, 1);
                 let mut hit = listed.hit(hits);
                 hierarchy.quadrics[leaf.index()].intersect(&rays.packet(listed.ray()), &mut hit);

@@ -21,7 +21,7 @@ pub use entry_points::{MAX_ENTRY_POINTS, Packets};
 use super::counter::CounterSink;
 use super::frustum::{Frustum, FrustumAxis, greatest};
 use super::hierarchy::Hierarchy;
-use super::prepared::Packet;
+use super::precalculated::Packet;
 use super::rays::{Hits, Rays};
 use super::stack::{Stack, pop_within};
 use crate::bvh::{Child, WIDE};

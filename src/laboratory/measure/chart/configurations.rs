@@ -74,12 +74,15 @@ pub const GROUPS: [(Group, &[(&str, &str)]); 3] = [
         &[
             ("random numbers", "independent random numbers instead of Sobol points: --sampler random"),
             (
-                "independent pixels",
+                "padded Sobol",
                 "the errors of neighbouring pixels are independent, not blue noise: --sampler padded-sobol",
             ),
             ("adaptive", "more samples where the estimated error is larger: --target-error"),
-            ("lights off", "no next event estimation: --lights off"),
-            ("lights on", "next event estimation of every emitter that can be sampled: --lights on"),
+            ("no next event estimation", "paths meet lights by scattering alone: --lights off"),
+            (
+                "every light sampled",
+                "next event estimation of every emitter that can be sampled: --lights on",
+            ),
             ("lights by power", "emitters chosen by power alone, each triangle by itself: --lights power"),
             (
                 "trilinear",
@@ -157,10 +160,10 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     }
     let is_special = renderer.features() != Features::ALL;
     add("general pipeline", is_special, &|one| one.settings.pipeline = PipelineChoice::General);
-    add("independent pixels", true, &|one| one.settings.methods.sampler = Sampler::PaddedSobol);
+    add("padded Sobol", true, &|one| one.settings.methods.sampler = Sampler::PaddedSobol);
     add("random numbers", true, &|one| one.settings.methods.sampler = Sampler::Random);
-    add("lights off", true, &|one| one.settings.methods.lights = LightChoice::Off);
-    add("lights on", true, &|one| one.settings.methods.lights = LightChoice::On);
+    add("no next event estimation", true, &|one| one.settings.methods.lights = LightChoice::Off);
+    add("every light sampled", true, &|one| one.settings.methods.lights = LightChoice::On);
     add("lights by power", true, &|one| one.settings.methods.lights = LightChoice::Power);
     add("adaptive", true, &|one| one.adaptive = true);
     add("trilinear", true, &|one| one.levels_of_detail = true);
@@ -197,12 +200,16 @@ mod tests {
         let load = |name: &str| octray_formats::scene::load(name).unwrap();
         let mut smooth = load("builtin:thesis");
         smooth.textures.iter_mut().for_each(|texture| texture.filter = Filter::Bilinear);
-        let no_emitters = ["lights off", "lights on", "lights by power"];
+        let no_emitters = ["no next event estimation", "every light sampled", "lights by power"];
         let scenes: [(Scene, &[&str], &[&str]); 5] = [
             (load("builtin:three"), &["naive spheres", "hierarchy"], &["Möller–Trumbore", "streams"]),
             (load("builtin:three"), &["scalar"], &no_emitters),
             // Auto samples all emitters.
-            (load("builtin:cornell"), &["lights off", "Möller–Trumbore"], &["naive spheres", "lights on"]),
+            (
+                load("builtin:cornell"),
+                &["no next event estimation", "Möller–Trumbore"],
+                &["naive spheres", "every light sampled"],
+            ),
             (load("builtin:terrain:2000"), &["streams"], &["every primitive tested"]),
             (smooth, &["trilinear"], &[]),
         ];

@@ -8,7 +8,7 @@ use crate::lane::{Lane, NATIVE_WIDTH, Native};
 use crate::measure::kernel_set::{self as set, Found};
 use crate::measure::quantiles::{Quantiles, Rounds};
 use crate::measure::stability::methods::{Method, box_methods, sphere_methods, triangle_methods};
-use crate::measure::stability::{Effort, recipe};
+use crate::measure::stability::{Effort, test_case};
 use crate::methods::BoxMethod;
 use serde::Serialize;
 use std::hint::black_box;
@@ -29,45 +29,45 @@ pub struct Kernel {
     pub ns: f64,
     /// The 10th and the 90th percentile of the turns.
     pub ns_spread: [f64; 2],
-    /// The 99th percentile of the error of t, in the unit of `error_case`'s recipe; null for boxes, which
+    /// The 99th percentile of the error of t, in the unit of `error_case`'s test case; null for boxes, which
     /// have none.
     pub p99: Option<f64>,
-    /// The share of cases that fail.
+    /// The share of inputs that fail.
     pub failures: f64,
     /// Where `p99` comes from; null without one.
-    pub error_case: Option<Case>,
+    pub error_case: Option<CaseAt>,
     /// Where `failures` comes from.
-    pub failure_case: Case,
+    pub failure_case: CaseAt,
 }
 
-/// A place in a recipe.
+/// A place in a test case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Case {
-    /// A recipe of `octray stability`.
-    pub recipe: &'static str,
+pub struct CaseAt {
+    /// A test case of `octray stability`.
+    pub test_case: &'static str,
     /// A place on its axis, in the unit of the axis.
     pub place: f64,
 }
 
-/// A family of methods, and the recipes on which its methods differ most.
+/// A family of methods, and the test cases on which its methods differ most.
 struct Family {
     name: &'static str,
-    error: Option<Case>,
-    failure: Case,
+    error: Option<CaseAt>,
+    failure: CaseAt,
 }
 
 const SPHERES: Family = Family {
     name: "sphere",
-    error: Some(Case { recipe: "spheres-far", place: 1e3 }),
-    failure: Case { recipe: "spheres-far", place: 1e3 },
+    error: Some(CaseAt { test_case: "spheres-far", place: 1e3 }),
+    failure: CaseAt { test_case: "spheres-far", place: 1e3 },
 };
 const TRIANGLES: Family = Family {
     name: "triangle",
-    error: Some(Case { recipe: "triangles-slivers", place: 1e4 }),
-    failure: Case { recipe: "mesh-edges", place: 1.0 },
+    error: Some(CaseAt { test_case: "triangles-slivers", place: 1e4 }),
+    failure: CaseAt { test_case: "mesh-edges", place: 1.0 },
 };
 const BOXES: Family =
-    Family { name: "box", error: None, failure: Case { recipe: "boxes-corners", place: 1.0 } };
+    Family { name: "box", error: None, failure: CaseAt { test_case: "boxes-corners", place: 1.0 } };
 
 /// All rays against all primitives, once.
 type Work = Box<dyn Fn() -> Found>;
@@ -111,7 +111,7 @@ struct TimedKernel {
 
 /// Length of a turn: long against the time of reading the clock, short against the drift of clock rates.
 const TURN: Duration = Duration::from_micros(500);
-/// The share of the stability command's cases.
+/// The share of the stability command's inputs.
 pub const EFFORT: Effort = Effort(0.25);
 
 /// Measures errors and failures of every method, then times every method at both widths in alternating turns
@@ -169,12 +169,12 @@ impl TimedKernel {
     }
 }
 
-/// The 99th percentile of the error, and the share of failures, from the family's recipes.
+/// The 99th percentile of the error, and the share of failures, from the family's test cases.
 fn errors(timed: &TimedKernel) -> (Option<f64>, f64) {
-    let at = |case: Case| {
-        let recipe = recipe(case.recipe).expect("the recipe that the family names");
-        let method = recipe.method(timed.method).expect("the recipe has every method of the family");
-        recipe.at(method, case.place, EFFORT)
+    let at = |case: CaseAt| {
+        let test_case = test_case(case.test_case).expect("the test case that the family names");
+        let method = test_case.method(timed.method).expect("the test case has every method of the family");
+        test_case.at(method, case.place, EFFORT)
     };
     let failure = at(timed.family.failure);
     (timed.family.error.and_then(|case| at(case).p99), failure.rate())
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn dominated_is_slower_and_not_more_accurate() {
-        let case = Case { recipe: "r", place: 1.0 };
+        let case = CaseAt { test_case: "r", place: 1.0 };
         let of = |method, ns: f64, failures| Kernel {
             family: "sphere",
             method,

@@ -32,9 +32,9 @@ pub struct SceneChart {
     pub max_bounces: u32,
     /// The ground truth of all but `motion`, which has its own.
     pub truth: GroundTruthInfo,
-    /// Seconds of one sample of the default in `pictures`: the unit of times that charts of two machines
+    /// Seconds of one pass of the default in `pictures`: the unit of times that charts of two machines
     /// share.
-    pub default_sample_s: f64,
+    pub default_pass_s: f64,
     /// Error against time, a line a configuration; the default first.
     pub pictures: Vec<pictures::Line>,
     /// Interactive frames of a few configurations, on all threads.
@@ -56,7 +56,8 @@ const DISPLAY_SHARE: f64 = 0.72;
 /// second.
 const MOST_GROUND_TRUTH_SAMPLES: u32 = 16_384;
 /// The configurations that `frames` compares: of those with equal bits, only the scalar one.
-const IN_FRAMES: [&str; 5] = [configurations::DEFAULT, "scalar", "random numbers", "lights off", "lights on"];
+const IN_FRAMES: [&str; 5] =
+    [configurations::DEFAULT, "scalar", "random numbers", "no next event estimation", "every light sampled"];
 
 /// Size and time of one scene's chart.
 #[derive(Clone, Copy, Debug)]
@@ -123,7 +124,7 @@ impl Plan {
             frame_size: self.size.map(|side| side * SHRINK),
             max_bounces: self.max_bounces,
             truth: ground_truth.info,
-            default_sample_s: pictures::sample_time(&pictures[0]),
+            default_pass_s: pictures::pass_time(&pictures[0]),
             pictures,
             frames,
             display,

@@ -26,7 +26,7 @@ const FIRST_TARGET: f64 = 0.8;
 /// Samples before the first noise estimate, as in `render --target-error`.
 const LEAST: u32 = 16;
 /// Untimed rendering right before a timed part: other configurations ran since, so the caches and the branch
-/// predictor are theirs, and the worker sleeps. Where a sample takes longer than `LONG`, in seconds, that no
+/// predictor are theirs, and the worker sleeps. Where a pass takes longer than `LONG`, in seconds, that no
 /// longer matters.
 const WARM_UP: Duration = Duration::from_millis(1);
 const LONG: f64 = 0.02;
@@ -227,8 +227,8 @@ fn median_time(film: &mut Film, mut change: impl FnMut(&mut Film) -> f64) -> f64
     Quantiles::of(times).median()
 }
 
-/// Seconds of one sample: those of the last point, over its samples.
-pub fn sample_time(line: &Line) -> f64 {
+/// Seconds of one pass: those of the last point, over its samples.
+pub fn pass_time(line: &Line) -> f64 {
     line.points.last().map_or(f64::NAN, |point| point.seconds.median / point.samples)
 }
 
@@ -329,7 +329,7 @@ mod tests {
         }
         let (first, last) = (&default[0], &default[default.len() - 1]);
         assert!(last.rmse.median < 0.7 * first.rmse.median && last.flip.median < first.flip.median);
-        let off = named("lights off");
+        let off = named("no next event estimation");
         assert!(
             off.points[0].rmse.median > 1.5 * first.rmse.median,
             "without light sampling, emitters are hard to hit"

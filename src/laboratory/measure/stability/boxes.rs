@@ -5,8 +5,8 @@
 
 use super::methods::box_methods;
 use super::rays::{ray, to_f64, towards};
-use super::recipe::{Bound, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
+use super::test_case::{Bound, FAILED, FailureCounts, TestCase, trials};
 use crate::kernel::ray_box::Padding;
 use crate::math::{self, Ray};
 use crate::methods::BoxMethod;
@@ -14,10 +14,11 @@ use glam::{DVec3, Vec3};
 
 const IZE: &str = "Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013";
 
-pub(super) fn recipes() -> Vec<Recipe> {
-    let common = || Recipe { failure: "a ray that hits the box misses it", source: IZE, ..Recipe::COMMON };
+pub(super) fn test_cases() -> Vec<TestCase> {
+    let common =
+        || TestCase { failure: "a ray that hits the box misses it", source: IZE, ..TestCase::COMMON };
     vec![
-        Recipe {
+        TestCase {
             name: "boxes-corners",
             title: "Rays aimed at corners of boxes, away from the origin of coordinates",
             axis: "distance of the box from the origin / its size",
@@ -26,7 +27,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             methods: trials(at_corners, &box_methods!(entry)),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "boxes-faces",
             title: "Rays that start in the plane of a face and run along it",
             axis: "component of the direction across the face",
@@ -34,7 +35,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             methods: trials(along_faces, &box_methods!(entry)),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "boxes-scale",
             title: "Boxes of all sizes, also flat ones, and directions close to an axis",
             axis: "size of the scene",
@@ -42,14 +43,14 @@ pub(super) fn recipes() -> Vec<Recipe> {
             methods: trials(at_scale, &box_methods!(entry)),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "boxes-beside",
             title: "The cost of padding: rays that miss a box by little",
             axis: "distance of ray and box / padding of the default method",
             places: &[0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 10.0, 100.0],
             failure: "a ray that misses the box hits it",
             source: "this program",
-            cases: 50_000,
+            inputs: 50_000,
             methods: trials(beside, &box_methods!(entry)),
             bound: |off| if off < 2.0 { Bound::NONE } else { Bound::NO_FAILURE },
             ..common()
@@ -177,8 +178,8 @@ type Entry = fn(&Cuboid, &Ray<f32>) -> Option<f32>;
 
 /// The t at which the ray enters the box by method `B`; `None` for a miss.
 fn entry<B: BoxMethod>(cuboid: &Cuboid, ray: &Ray<f32>) -> Option<f32> {
-    let prepared = B::prepare(ray, Padding::new(cuboid.extent()));
-    let (near, far) = B::pass(&prepared, math::Vec3::splat(cuboid.lo), math::Vec3::splat(cuboid.hi));
+    let precalculated = B::precalculate(ray, Padding::new(cuboid.extent()));
+    let (near, far) = B::pass(&precalculated, math::Vec3::splat(cuboid.lo), math::Vec3::splat(cuboid.hi));
     (near <= far && far >= 0.0).then_some(near)
 }
 

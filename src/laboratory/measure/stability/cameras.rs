@@ -1,10 +1,10 @@
 //! Cameras: fields of view near 0° and 180°, and cameras inside objects.
 
 use super::rays::ray;
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::scenes::{empty, put_box, seen, sphere};
 use super::spheres::{self, Ball};
+use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare};
 use super::triangles;
 use crate::camera::Pinhole;
 use crate::kernel::ray_sphere::Robust;
@@ -15,9 +15,9 @@ use crate::render::PrimaryHit;
 use crate::scene::{Camera, Scene};
 use crate::traverse::Methods;
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
-        Recipe {
+        TestCase {
             name: "cameras-fov",
             title: "Fields of view from 0° to 180°, 240×135 pixels",
             axis: "vertical field of view in degrees",
@@ -29,26 +29,26 @@ pub(super) fn recipes() -> Vec<Recipe> {
                       pixels",
             error: Some("pixels off"),
             source: "Shirley, Ray Tracing in One Weekend §12; half the picture's height is tan(fov / 2), a pixel's 1 / 135 of twice that",
-            cases: 50_000,
+            inputs: 50_000,
             methods: compare(
                 views,
                 &[("corner-in-the-world", in_the_world), ("f32", in_single), ("corner-in-f64", pinhole)],
             ),
             bound: |degrees| Bound::error(8.0 * EPSILON * pixels_per_unit(degrees)),
         },
-        Recipe {
+        TestCase {
             name: "cameras-inside",
             title: "Cameras inside balls and boxes of all sizes",
             axis: "distance from the wall / size",
             places: &[1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0],
             failure: "a camera ray hits nothing, or a hit that the f64 reference rejects",
             source: "from inside a closed object, every ray hits it",
-            cases: 20_000,
+            inputs: 20_000,
             methods: compare(
                 inside,
                 &[("least-t-1e-4", beyond_least_t), ("renderer", |scene| seen(scene, Methods::default(), 8))],
             ),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
     ]
 }

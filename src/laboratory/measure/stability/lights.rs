@@ -1,7 +1,7 @@
 //! Light sampling: emitters that are small, near, around the lit point, or seen edge-on.
 
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, compare};
 use super::rng::Rng;
+use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare};
 use crate::kernel::light::{self, FlatLight, LightSample};
 use crate::lane::functions;
 use crate::math::Vec3;
@@ -10,45 +10,45 @@ use glam::DVec3;
 use std::f32::consts::TAU;
 use std::f64::consts::PI;
 
-pub(super) fn recipes() -> Vec<Recipe> {
-    let flat_lights = || Recipe {
+pub(super) fn test_cases() -> Vec<TestCase> {
+    let flat_lights = || TestCase {
         places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
         failure: "pdf is not positive and finite",
         error: Some("|Δ pdf| / pdf"),
         source: OOSTEROM,
-        cases: 50_000,
-        ..Recipe::COMMON
+        inputs: 50_000,
+        ..TestCase::COMMON
     };
     vec![
-        Recipe {
-            name: "lamps-spheres",
+        TestCase {
+            name: "lights-spheres",
             title: "Sampling spherical lights, from far away to close by",
             axis: "radius / distance of the centre",
             places: &[1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
             failure: "pdf is not positive and finite, or the direction misses the light",
             error: Some("|Δ pdf| / pdf"),
             source: SHIRLEY,
-            cases: 50_000,
+            inputs: 50_000,
             methods: compare(sphere, &[("cosine", cosine), ("taylor", taylor), ("sine", sine)]),
             // Close by, the cosine of the rim, √(1 − sin²), magnifies the rounding of sin².
             bound: |ratio| Bound::error(8.0 * EPSILON / (1.0 - ratio * ratio).sqrt()),
         },
-        Recipe {
-            name: "lamps-around",
+        TestCase {
+            name: "lights-around",
             title: "Lit points inside spherical lights",
             axis: "distance from the centre / radius",
             places: &[0.0, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.99, 0.999, 0.9999, 0.99999],
             failure: "pdf is not 0, although the light is in every direction",
             source: SHIRLEY,
-            cases: 50_000,
+            inputs: 50_000,
             methods: compare(
                 around,
                 &[("cosine", cosine), ("cosine-clamped", cosine_clamped), ("sine-and-inside", sine)],
             ),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
-        Recipe {
-            name: "lamps-triangle",
+        TestCase {
+            name: "lights-triangle",
             title: "Sampling triangular lights that are small or far away",
             axis: "edge / distance",
             methods: compare::<SampleFlat>(
@@ -59,8 +59,8 @@ pub(super) fn recipes() -> Vec<Recipe> {
             bound: |_| Bound::error(16.0 * EPSILON),
             ..flat_lights()
         },
-        Recipe {
-            name: "lamps-quad",
+        TestCase {
+            name: "lights-quad",
             title: "Sampling parallelograms that emit and are small or far away",
             axis: "edge / distance",
             methods: compare::<SampleFlat>(
@@ -71,8 +71,8 @@ pub(super) fn recipes() -> Vec<Recipe> {
             bound: |_| Bound::error(32.0 * EPSILON),
             ..flat_lights()
         },
-        Recipe {
-            name: "lamps-edge-on",
+        TestCase {
+            name: "lights-edge-on",
             title: "Sampling triangular lights seen nearly edge-on, about half as large as their distance",
             axis: "distance from the triangle's plane / distance",
             places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],

@@ -5,8 +5,8 @@
 
 use super::methods::triangle_methods;
 use super::rays::towards;
-use super::recipe::{FailureCounts, Recipe, trials};
 use super::rng::Rng;
+use super::test_case::{FailureCounts, TestCase, trials};
 use super::triangles::{WOOP, mean};
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane, Mask};
@@ -18,16 +18,16 @@ use std::sync::LazyLock;
 /// 1e-12 to 1e12.
 const SIZES: [f64; 9] = [1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12];
 
-pub(super) fn recipes() -> Vec<Recipe> {
-    let common = || Recipe {
+pub(super) fn test_cases() -> Vec<TestCase> {
+    let common = || TestCase {
         places: &SIZES,
         failure: "a ray inside a closed mesh hits nothing",
         source: WOOP,
-        cases: 40_000,
-        ..Recipe::COMMON
+        inputs: 40_000,
+        ..TestCase::COMMON
     };
     vec![
-        Recipe {
+        TestCase {
             name: "mesh-edges",
             title: "Rays at the edges of a closed mesh",
             axis: "size of the mesh",
@@ -37,7 +37,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "mesh-vertices",
             title: "Rays at the vertices of a closed mesh",
             axis: "size of the mesh",
@@ -47,7 +47,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "mesh-random",
             title: "Rays anywhere at a closed mesh: failures are rarer than at edges",
             axis: "size of the mesh",
@@ -57,7 +57,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "mesh-offset",
             title: "Rays at the edges of a closed mesh away from the origin of coordinates",
             axis: "distance of the mesh from the origin / its size",
@@ -146,10 +146,10 @@ fn leaks<T: TriangleMethod>(
     // Those of up to eight rays that hit none of these triangles.
     let missing = |rays: &[Ray<f32>], triangles: &mut dyn Iterator<Item = usize>| -> Vec<Ray<f32>> {
         let eight: [Ray<f32>; 8] = std::array::from_fn(|lane| rays[lane % rays.len()]);
-        let prepared = T::prepare(&Ray::<F32x8>::from_lanes(&eight));
+        let precalculated = T::precalculate(&Ray::<F32x8>::from_lanes(&eight));
         let mut hit = <F32x8 as Lane>::Mask::splat(false);
         for number in triangles {
-            hit = hit | T::test(&prepared, &stored[number], F32x8::splat(f32::INFINITY)).mask;
+            hit = hit | T::test(&precalculated, &stored[number], F32x8::splat(f32::INFINITY)).mask;
             if hit.all() {
                 break;
             }

@@ -1,4 +1,4 @@
-//! The list of all intersection methods by family and name, for recipes, charts and tests.
+//! The list of all intersection methods by family and name, for test cases, charts and tests.
 //!
 //! For: [`Method`], [`MEANINGS`], and a macro per family that makes an array of its methods.
 //! `sphere_methods!(time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method.
@@ -10,7 +10,7 @@ pub struct Method<F> {
     pub name: &'static str,
     /// Whether this is the renderer's default.
     pub default: bool,
-    /// What the recipe, the chart or the test runs with it.
+    /// What the test case, the chart or the test runs with it.
     pub(crate) run: F,
 }
 

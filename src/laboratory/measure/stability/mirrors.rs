@@ -1,17 +1,17 @@
 //! Thousands of reflections: drift of length and direction, rays that leak out of a closed room.
 
 use super::rays::{ray, to_f64};
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::scenes::{empty, put_box};
+use super::test_case::{Bound, EPSILON, FailureCounts, TestCase, compare};
 use crate::integrate::RENORMALIZATION_INTERVAL;
 use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod, Woop, WoopTriangle};
 use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math::{Ray, Vec3};
 use glam::DVec3;
 
-pub(super) fn recipes() -> Vec<Recipe> {
-    vec![Recipe {
+pub(super) fn test_cases() -> Vec<TestCase> {
+    vec![TestCase {
         name: "mirrors-room",
         title: "Paths between the mirrors of a closed room",
         axis: "reflections",
@@ -19,7 +19,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
         failure: "the ray leaks out of the room, or the length of its direction differs from 1 by more than 1e-5",
         error: Some("|Δ direction| in radians, up to signs along the room's axes"),
         source: "kernel::ray_sphere, which requires unit length within 1e-5",
-        cases: 48,
+        inputs: 48,
         methods: compare(
             room,
             &[
@@ -34,7 +34,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
     }]
 }
 
-/// A wall, with its offset for leaving rays.
+/// A wall, with its offset for spawned rays.
 struct Wall {
     stored: WoopTriangle,
     vertices: [Vec3<f32>; 3],
@@ -85,11 +85,11 @@ fn room(rng: &mut Rng, reflections: f64, counts: &mut FailureCounts, (start, men
 /// The ray after these reflections; `None` if it leaks out of the room.
 fn follow(mut ray: Ray<f32>, walls: &[Wall], reflections: u32, start: Start, mend: u32) -> Option<Ray<f32>> {
     for number in 1..=reflections {
-        let prepared = Woop::prepare(&ray);
+        let precalculated = Woop::precalculate(&ray);
         let mut nearest: Option<(TriangleHit<f32>, &Wall)> = None;
         for wall in walls {
             let limit = nearest.as_ref().map_or(f32::INFINITY, |(hit, _)| hit.t);
-            let hit = Woop::test(&prepared, &wall.stored, limit);
+            let hit = Woop::test(&precalculated, &wall.stored, limit);
             if hit.mask {
                 nearest = Some((hit, wall));
             }

@@ -1,11 +1,11 @@
-//! Where methods fail: recipes of difficult inputs, every method on each, checked in double precision.
+//! Where methods fail: test cases of difficult inputs, every method on each, checked in double precision.
 //!
-//! For: [`recipes`]; `recipe.rs` defines a recipe, `methods.rs` lists the methods by family.
+//! For: [`test_cases`]; `test_case.rs` defines a test case, `methods.rs` lists the methods by family.
 //!
-//! A recipe generates rays (or other inputs) with fixed seeds along one axis: a distance, a scale, a shape.
-//! At each place of the axis each method gets the same inputs; an f64 computation, which shares nothing with
-//! the methods, counts failures and measures errors. The result does not depend on threads. `octray
-//! stability` and `tests/pictures/stability.rs` run the same recipes.
+//! A test case generates rays (or other inputs) with fixed seeds along one axis: a distance, a scale, a
+//! shape. At each place of the axis each method gets the same inputs; an f64 computation, which shares
+//! nothing with the methods, counts failures and measures errors. The result does not depend on threads.
+//! `octray stability` and `tests/pictures/stability.rs` run the same test cases.
 //!
 //! | file | difficult inputs |
 //! |---|---|
@@ -13,8 +13,8 @@
 //! | [`meshes`] | edges and vertices of closed meshes |
 //! | [`triangles`] | slivers, sizes, distances, grazing rays |
 //! | [`boxes`] | corners, planes of faces, boxes far from the origin |
-//! | [`leaving`] | self-intersection of rays that leave triangles |
-//! | [`rooms`] | rays that leave walls next to the corners of closed rooms |
+//! | [`spawn`] | self-intersection of rays spawned on triangles |
+//! | [`rooms`] | rays spawned on walls next to the corners of closed rooms |
 //! | [`shells`] | self-intersection on spheres; surfaces close to the one that is left |
 //! | `textures` | poles and seam of a sphere, large texture coordinates |
 //! | `scattering` | directions that cancel, shading normals |
@@ -24,60 +24,61 @@
 //! | `cameras` | fields of view near 0° and 180°, cameras inside objects |
 //! | `scenes` | very different sizes in one scene, coplanar surfaces |
 //!
-//! To add a recipe: add it to the `recipes` of its file. To add a file: add its `recipes` to `RECIPES`.
+//! To add a test case: add it to the `test_cases` of its file. To add a file: add its `test_cases` to
+//! `TEST_CASES`.
 
 pub mod boxes;
 mod cameras;
-pub mod leaving;
 mod lights;
 pub mod meshes;
 pub mod methods;
 mod mirrors;
 mod numbers;
 pub mod rays;
-mod recipe;
 mod rng;
 pub mod rooms;
 mod scattering;
 mod scenes;
 pub mod shells;
+pub mod spawn;
 pub mod spheres;
+mod test_case;
 mod textures;
 pub mod triangles;
 
 pub use methods::Method;
-pub use recipe::{Bound, Curve, Effort, FailureCounts, Outcome, Point, Recipe, Trial, run};
 pub use rng::Rng;
 use std::sync::LazyLock;
+pub use test_case::{Bound, Curve, Effort, FailureCounts, Outcome, Point, TestCase, Trial, run};
 
-static RECIPES: LazyLock<Vec<Recipe>> = LazyLock::new(|| {
+static TEST_CASES: LazyLock<Vec<TestCase>> = LazyLock::new(|| {
     let files = [
-        spheres::recipes(),
-        meshes::recipes(),
-        triangles::recipes(),
-        boxes::recipes(),
-        leaving::recipes(),
-        rooms::recipes(),
-        shells::recipes(),
-        textures::recipes(),
-        scattering::recipes(),
-        lights::recipes(),
-        numbers::recipes(),
-        mirrors::recipes(),
-        cameras::recipes(),
-        scenes::recipes(),
+        spheres::test_cases(),
+        meshes::test_cases(),
+        triangles::test_cases(),
+        boxes::test_cases(),
+        spawn::test_cases(),
+        rooms::test_cases(),
+        shells::test_cases(),
+        textures::test_cases(),
+        scattering::test_cases(),
+        lights::test_cases(),
+        numbers::test_cases(),
+        mirrors::test_cases(),
+        cameras::test_cases(),
+        scenes::test_cases(),
     ];
     files.into_iter().flatten().collect()
 });
 
-/// All recipes, in the order of reports.
-pub fn recipes() -> impl Iterator<Item = &'static Recipe> {
-    RECIPES.iter()
+/// All test cases, in the order of reports.
+pub fn test_cases() -> impl Iterator<Item = &'static TestCase> {
+    TEST_CASES.iter()
 }
 
-/// The recipe of this name.
-pub fn recipe(name: &str) -> Option<&'static Recipe> {
-    recipes().find(|recipe| recipe.name == name)
+/// The test case of this name.
+pub fn test_case(name: &str) -> Option<&'static TestCase> {
+    test_cases().find(|test_case| test_case.name == name)
 }
 
 #[cfg(test)]
@@ -85,8 +86,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_of_recipes_are_unique_and_valid_in_file_names() {
-        let names: Vec<&str> = recipes().map(|recipe| recipe.name).collect();
+    fn names_of_test_cases_are_unique_and_valid_in_file_names() {
+        let names: Vec<&str> = test_cases().map(|test_case| test_case.name).collect();
         for (at, name) in names.iter().enumerate() {
             assert!(
                 name.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-')
@@ -96,8 +97,8 @@ mod tests {
     }
 
     #[test]
-    fn recipes_have_ascending_places_one_default_and_a_method_to_compare() {
-        for Recipe { name, places, methods, .. } in recipes() {
+    fn test_cases_have_ascending_places_one_default_and_a_method_to_compare() {
+        for TestCase { name, places, methods, .. } in test_cases() {
             assert!(places.is_sorted_by(|a, b| a < b) && places[0] >= 0.0, "{name}: {places:?}");
             assert_eq!(methods.iter().filter(|method| method.default).count(), 1, "{name}");
             assert!(methods.len() > 1, "{name}");

@@ -1,16 +1,16 @@
 //! Random numbers from bits, and sums of many numbers.
 
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, compare};
 use super::rng::Rng;
+use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare};
 use crate::camera::Tile;
 use crate::film::TileSums;
 use crate::lane::NATIVE_WIDTH;
 use crate::sampling::random::unit_interval;
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
-        Recipe {
-            name: "numbers-top",
+        TestCase {
+            name: "uniform-largest",
             title: "Numbers below 1 from 32 random bits: the largest ones",
             axis: "largest difference of 2³² and the bits",
             places: &[1.0, 16.0, 64.0, 128.0, 256.0, 1024.0, 1e5, 1e7, 4_294_967_296.0],
@@ -27,9 +27,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             // Truncated, not rounded: less than one step.
             bound: |_| Bound::error(1.0),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
-        Recipe {
+        TestCase {
             name: "sums-long",
             title: "Sums of numbers in [0, 1)",
             axis: "numbers",
@@ -37,11 +37,11 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "off by more than a tenth",
             error: Some("|Δ| / sum"),
             source: KAHAN,
-            cases: 2,
+            inputs: 2,
             methods: compare(long, &[("f32", plain), ("kahan", kahan), ("f64", double), ("film", on_film)]),
             bound: |_| Bound::error(2.0 * EPSILON),
         },
-        Recipe {
+        TestCase {
             name: "sums-large",
             title: "Sums of 4,096 large numbers",
             axis: "magnitude",
@@ -49,20 +49,20 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "off by more than a tenth, or NaN",
             error: Some("|Δ| / sum"),
             source: KAHAN,
-            cases: 200,
+            inputs: 200,
             methods: compare(large, &[("f32", plain), ("f64", double), ("film", on_film)]),
             // A sum above the largest f32, 3.4e38, is infinite. Scenes hold no number above 1e18.
             bound: |magnitude| if magnitude < 1e35 { Bound::error(2.0 * EPSILON) } else { Bound::NONE },
         },
-        Recipe {
-            name: "sums-poisoned",
+        TestCase {
+            name: "sums-nan",
             title: "Means of 1,000 numbers, some of which are NaN or infinite",
             axis: "share of NaN and infinities",
             places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5],
             failure: "the mean is not finite, or the number of discarded values is wrong",
             error: Some("|Δ| / mean of the others"),
             source: "x + NaN = NaN",
-            cases: 2_000,
+            inputs: 2_000,
             methods: compare(poisoned, &[("f32", plain), ("f64", double), ("film", on_film)]),
             bound: |_| Bound::error(2.0 * EPSILON),
         },

@@ -1,4 +1,4 @@
-//! Random numbers for recipes and tests.
+//! Random numbers for test cases and tests.
 //!
 //! For: [`Rng`].
 
@@ -8,8 +8,8 @@ use glam::DVec3;
 pub struct Rng(pub u64);
 
 impl Rng {
-    /// The generator of a part of a recipe: a function of the recipe's name and the numbers, so that neither
-    /// threads nor other recipes change its output.
+    /// The generator of a part of a test case: a function of its name and the numbers, so that neither
+    /// threads nor other test cases change its output.
     pub fn of(name: &str, numbers: [u64; 2]) -> Self {
         // FNV-1a, then the finaliser of SplitMix64 for each number, which decorrelates consecutive numbers.
         let start = name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {

@@ -1,19 +1,19 @@
 //! Leaks: rays that leave a wall next to a corner of a closed room, and start outside.
 
-use super::leaving::{SpawnMethod, common};
 use super::methods::Method;
 use super::rays::towards;
-use super::recipe::{FailureCounts, Recipe, trials};
 use super::rng::Rng;
+use super::spawn::{SpawnMethod, common};
+use super::test_case::{FailureCounts, TestCase, trials};
 use super::triangles::{self, mean};
 use crate::kernel::ray_triangle::Woop;
 use crate::kernel::surface::{inset, triangle_normal, triangle_offset};
 use crate::math;
 use glam::{DMat3, DVec3, Vec3};
 
-pub(super) fn recipes() -> Vec<Recipe> {
-    vec![Recipe {
-        name: "leaving-corners",
+pub(super) fn test_cases() -> Vec<TestCase> {
+    vec![TestCase {
+        name: "spawn-corners",
         title: "Leaving the walls of closed rooms of size 2 next to their corners",
         axis: "distance of the room from the origin",
         places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 2e4],

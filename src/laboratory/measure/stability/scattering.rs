@@ -1,7 +1,7 @@
 //! Scattered directions: opposite vectors that cancel, shading normals.
 
-use super::recipe::{FailureCounts, Recipe, compare};
 use super::rng::Rng;
+use super::test_case::{FailureCounts, TestCase, compare};
 use crate::kernel::bsdf::diffuse;
 use crate::kernel::normals;
 use crate::math::{BELOW_ONE, Vec3};
@@ -9,16 +9,16 @@ use crate::sampling::warp;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
-        Recipe {
+        TestCase {
             name: "scattering-opposite",
             title: "Diffuse directions as normal + point of a sphere, where both nearly cancel",
             axis: "distance of the point and the opposite of the normal",
             places: &[0.0, 1e-8, 3e-8, 1e-7, 3e-7, 1e-6, 1e-5, 1e-4, 1e-3],
             failure: "NaN, or below the surface",
             source: "Shirley, Ray Tracing in One Weekend §9.4",
-            cases: 50_000,
+            inputs: 50_000,
             methods: compare(
                 opposite,
                 &[
@@ -26,17 +26,17 @@ pub(super) fn recipes() -> Vec<Recipe> {
                     ("smaller-sphere", warp::sample_cosine_hemisphere::<f32>),
                 ],
             ),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
-        Recipe {
-            name: "scattering-matt",
+        TestCase {
+            name: "scattering-diffuse",
             title: "Diffuse surfaces with shading normals: rays below the surface, and lost light",
             axis: "angle of shading and geometric normal in degrees",
             places: &[1.0, 3.0, 10.0, 20.0, 40.0, 60.0, 80.0],
             failure: "one of 256 rays leaves below the surface",
             error: Some("share of the light that is lost"),
             source: CHIANG,
-            cases: 2_000,
+            inputs: 2_000,
             methods: compare(
                 diffuse_light,
                 &[
@@ -47,9 +47,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
                     }),
                 ],
             ),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
-        Recipe {
+        TestCase {
             name: "scattering-mirror",
             title: "Mirrors with shading normals",
             axis: "angle of shading and geometric normal in degrees",
@@ -60,7 +60,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
                 mirror,
                 &[("unbent", |_, ns, _| ns), ("bent", normals::bend_for_reflection::<f32>)],
             ),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
     ]
 }

@@ -1,9 +1,9 @@
 //! Whole scenes: very different sizes in one scene, and coplanar surfaces.
 
 use super::rays::ray;
-use super::recipe::{Bound, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::spheres::{Ball, reference_t};
+use super::test_case::{Bound, FailureCounts, TestCase, compare};
 use super::triangles;
 use crate::kernel::ray_triangle::Woop;
 use crate::lane::WIDTHS;
@@ -15,33 +15,33 @@ use crate::traverse::{Methods, SphereChoice, TraversalChoice};
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     let naive =
         Methods { sphere: SphereChoice::Naive, traversal: TraversalChoice::Linear, ..Methods::default() };
     vec![
-        Recipe {
+        TestCase {
             name: "scenes-mixed",
             title: "A small ball on a huge one, seen from a thousand times its size away",
             axis: "radius of the huge ball / radius of the small one",
             places: &[1.0, 1e2, 1e3, 1e4, 1e5, 1e6, 3e6, 1e7, 3e7, 1e8],
             failure: "the small ball is not hit where it is in front by a tenth of its radius",
             source: "errors grow with the largest object and hide the smallest",
-            cases: 50_000,
+            inputs: 50_000,
             methods: compare(mixed, &[("naive", naive), ("robust", Methods::default())]),
             // The huge ball's surface is off along the ray by some ε of its radius: no promise above 1e5.
             bound: |ratio| if ratio <= 1e5 { Bound::NO_FAILURE } else { Bound::NONE },
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
-        Recipe {
+        TestCase {
             name: "scenes-coplanar",
             title: "Coincident triangles, in any order, at both widths and with every traversal",
             axis: "triangles in one place",
             places: &[2.0, 4.0, 16.0, 64.0],
             failure: "the hit is not the one of lowest index among coincident triangles",
             source: "for equal t, the first or the last triangle tested wins, unless a rule decides",
-            cases: 20_000,
+            inputs: 20_000,
             methods: compare(coplanar, &[("first-met", first_tested), ("lower-index", renderer)]),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
     ]
 }
@@ -50,7 +50,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
 pub fn empty() -> Scene {
     let diffuse = Material::new("diffuse", MaterialKind::Diffuse, Vec3::ONE);
     Scene {
-        name: "recipe".into(),
+        name: "test case".into(),
         camera: Camera { position: Vec3::ZERO, look_at: Vec3::Z, up: Vec3::Y, vertical_fov: 90.0 },
         resolution: [16, 16],
         max_bounces: 1,

@@ -4,21 +4,21 @@
 //! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch.
 //! 6, 2019.
 
-use super::leaving::{ARRIVING, SPAWN_METHODS, SpawnMethod, common, leaving};
 use super::rays::{ray, to_f64, towards};
-use super::recipe::{Bound, FailureCounts, Recipe, trials};
 use super::rng::Rng;
+use super::spawn::{ARRIVING, SPAWN_METHODS, SpawnMethod, common, spawned};
 use super::spheres::{Ball, intersect};
+use super::test_case::{Bound, FailureCounts, TestCase, trials};
 use crate::kernel::ray_sphere::Robust;
 use crate::kernel::surface::{sphere_offset, sphere_surface};
 use crate::math::{self, Ray};
 use glam::Vec3;
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
-        Recipe {
-            name: "leaving-spheres",
-            title: "Leaving spheres of radius 1 outwards",
+        TestCase {
+            name: "spawn-spheres",
+            title: "Rays spawned outwards on spheres of radius 1",
             axis: "distance of the centre from the origin",
             places: &[0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4],
             methods: trials(
@@ -27,9 +27,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
-            name: "leaving-inwards",
-            title: "Leaving spheres of radius 1 inwards",
+        TestCase {
+            name: "spawn-inwards",
+            title: "Rays spawned inwards on spheres of radius 1",
             axis: "distance of the centre from the origin",
             places: &[0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4],
             failure: "the ray misses the far side, or hits the near one",
@@ -39,13 +39,13 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
-            name: "leaving-shells",
-            title: "Leaving one of two concentric shells of radius 1, some distance from the origin, towards the other",
+        TestCase {
+            name: "spawn-shells",
+            title: "Rays spawned on one of two concentric shells of radius 1, some distance from the origin, towards the other",
             axis: "gap between the shells",
             places: &[1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2],
             failure: "the ray misses the other shell, or hits its own",
-            cases: 50_000,
+            inputs: 50_000,
             methods: trials(between_shells, &SPAWN_METHODS),
             // 1e-5 is two offsets of shells at this distance from the origin.
             bound: |gap| if gap > 1e-5 { Bound::NO_FAILURE } else { Bound::NONE },
@@ -79,7 +79,7 @@ pub fn leave_sphere(
     let from = (ball.center.as_dvec3() + rng.direction() * away).as_vec3();
     let arriving = towards(from, ball.center.as_dvec3() + rng.in_cube() * radius);
     let Some((start, n)) = spawn(ball, &arriving, side, method) else { return };
-    let next = ray(start, leaving(rng, n));
+    let next = ray(start, spawned(rng, n));
     let again = intersect::<Robust>(ball, &next, f32::INFINITY).filter(|&t| t > method.t_min);
     counts.record(match side {
         Side::Outside => again.is_some(),

@@ -5,8 +5,8 @@
 
 use super::methods::sphere_methods;
 use super::rays::{ray, to_f64};
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
+use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, trials};
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::math::{self, Ray};
 use crate::reference::hit_sphere;
@@ -16,34 +16,34 @@ use std::f64::consts::TAU;
 const HAINES: &str = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7, 2019";
 
 /// Bounds hold where the default method makes a promise; measured figures stand in `kernel::ray_sphere`.
-pub(super) fn recipes() -> Vec<Recipe> {
-    let common = || Recipe { failure: "hit or miss misjudged", source: HAINES, ..Recipe::COMMON };
+pub(super) fn test_cases() -> Vec<TestCase> {
+    let common = || TestCase { failure: "hit or miss misjudged", source: HAINES, ..TestCase::COMMON };
     vec![
-        Recipe {
+        TestCase {
             name: "spheres-far",
             title: "Spheres seen from far away",
             axis: "distance / radius",
             places: &[10.0, 30.0, 100.0, 300.0, 1e3, 4096.0, 1e4, 1e5, 1e6],
             error: Some("|Δt| / radius"),
-            cases: 400_000,
+            inputs: 400_000,
             methods: trials(far, &sphere_methods!(intersect)),
             // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays
             // aim.
             bound: |d| Bound { failures: 0.25 * EPSILON * d, p99: Some(4.0 * EPSILON * (d + 1.0)) },
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "spheres-scale",
             title: "Spheres of all sizes, 100 radii away",
             axis: "radius",
             places: &[1e-15, 1e-10, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e10, 1e15],
             error: Some("|Δt| / radius"),
-            cases: 200_000,
+            inputs: 200_000,
             methods: trials(of_radius, &sphere_methods!(intersect)),
             bound: |_| Bound { failures: 0.25 * EPSILON * 100.0, p99: Some(4.0 * EPSILON * 101.0) },
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "spheres-huge",
             title: "Spheres seen from 1 above their surface",
             axis: "radius",
@@ -55,7 +55,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             bound: |r| Bound { failures: 1.5 * EPSILON * r, p99: Some((2.0 * r + 10.0) * EPSILON) },
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "spheres-tangent",
             title: "Rays that barely hit or miss a sphere, from 1.5 to 1,000 radii",
             axis: "distance of ray and silhouette / (ε distance of the origin)",
@@ -64,7 +64,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             bound: |off| if off < 20.0 { Bound::NONE } else { Bound::NO_FAILURE },
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "spheres-inside",
             title: "Rays from inside spheres",
             axis: "depth of the origin below the surface / radius",
@@ -75,7 +75,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             bound: |_| Bound::error(8.0 * EPSILON),
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "spheres-lengths",
             title: "Directions that are not of unit length, 100 radii away",
             axis: "length of the direction",
@@ -107,7 +107,7 @@ pub(crate) type Intersect = fn(Ball, &Ray<f32>, f32) -> Option<f32>;
 /// The nearest t in (0, `limit`) by method `S`.
 pub fn intersect<S: SphereMethod>(ball: Ball, ray: &Ray<f32>, limit: f32) -> Option<f32> {
     let center = math::Vec3::splat(ball.center);
-    let (hit, t) = S::test(&S::prepare(ray), center, ball.radius * ball.radius, limit);
+    let (hit, t) = S::test(&S::precalculate(ray), center, ball.radius * ball.radius, limit);
     hit.then_some(t)
 }
 

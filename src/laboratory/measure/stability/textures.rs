@@ -1,9 +1,9 @@
 //! Texture coordinates: poles and seam of a sphere, coordinates far from the texture's first repeat.
 
 use super::rays::towards;
-use super::recipe::{Bound, EPSILON, FailureCounts, Recipe, compare};
 use super::rng::Rng;
 use super::spheres::{Ball, intersect};
+use super::test_case::{Bound, EPSILON, FailureCounts, TestCase, compare};
 use crate::kernel::ray_sphere::Robust;
 use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_surface};
 use crate::kernel::texture::Grid;
@@ -11,9 +11,9 @@ use crate::math::Vec3;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
-        Recipe {
+        TestCase {
             name: "textures-poles",
             title: "Latitude near the poles of a sphere",
             axis: "distance from the pole / radius, at most",
@@ -35,16 +35,16 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             // 3e-7 of a half turn: see `kernel::surface::latitude_longitude`.
             bound: |_| Bound::error(3e-7 * PI),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
-        Recipe {
+        TestCase {
             name: "textures-seam",
             title: "Columns of a texture of 1,024 at the seam of a sphere",
             axis: "turns from the seam",
             places: &[1e-12, 1e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 1e-6, 1e-4, 1e-2],
             failure: "column outside the texture, or not the point's",
             source: "−x + 1 rounds to 1 for x below ε / 2",
-            cases: 20_000,
+            inputs: 20_000,
             methods: compare(
                 seam,
                 &[
@@ -53,16 +53,16 @@ pub(super) fn recipes() -> Vec<Recipe> {
                     ("below-one", |u| nearest(u, COLUMNS)),
                 ],
             ),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
-        Recipe {
+        TestCase {
             name: "textures-far",
             title: "Columns of textures, far from their first repeat",
             axis: "|u| in repeats",
             places: &[1.0, 10.0, 1e3, 1e5, 1e6, 8e6, 1e7, 1e9, 1e12, 1e18, 1e38],
             failure: "column outside the texture, or not the point's",
             source: "products and conversions beyond 24 or 31 bits",
-            cases: 20_000,
+            inputs: 20_000,
             methods: compare(
                 far,
                 &[
@@ -72,9 +72,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
                     ("fraction-first", nearest),
                 ],
             ),
-            ..Recipe::COMMON
+            ..TestCase::COMMON
         },
-        Recipe {
+        TestCase {
             name: "textures-tiled",
             title: "Coordinates between the corners of a triangle, far from their first repeat",
             axis: "|u| in repeats",
@@ -82,7 +82,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             failure: "coordinate is NaN",
             error: Some("|Δu| in repeats"),
             source: "rounding of a + (b − a) u + (c − a) v, relative to a",
-            cases: 50_000,
+            inputs: 50_000,
             methods: compare(
                 tiled,
                 &[

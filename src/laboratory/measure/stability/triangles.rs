@@ -4,22 +4,22 @@
 
 use super::methods::triangle_methods;
 use super::rays::{ray, to_f64, towards};
-use super::recipe::{Bound, EPSILON, FAILED, FailureCounts, Recipe, trials};
 use super::rng::Rng;
+use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, trials};
 use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
 use crate::math::Ray;
 use glam::{DVec3, Vec3};
 
 pub(super) const WOOP: &str = "Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013";
-pub(super) fn recipes() -> Vec<Recipe> {
-    let common = || Recipe {
+pub(super) fn test_cases() -> Vec<TestCase> {
+    let common = || TestCase {
         failure: "a ray through the triangle misses it",
         error: Some("|Δt| / t"),
         source: WOOP,
-        ..Recipe::COMMON
+        ..TestCase::COMMON
     };
     vec![
-        Recipe {
+        TestCase {
             name: "triangles-slivers",
             title: "Slivers seen from twice their length",
             axis: "longest edge / height",
@@ -32,7 +32,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             },
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "triangles-scale",
             title: "Well-shaped triangles of all sizes",
             axis: "longest edge",
@@ -45,7 +45,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             },
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "triangles-far",
             title: "Triangles seen from far away",
             axis: "distance / edge",
@@ -54,7 +54,7 @@ pub(super) fn recipes() -> Vec<Recipe> {
             bound: |d| Bound { failures: 4.0 * EPSILON * d, p99: Some(10.0 * EPSILON) },
             ..common()
         },
-        Recipe {
+        TestCase {
             name: "triangles-grazing",
             title: "Rays that graze a triangle, from three times its size",
             axis: "cosine of the ray and the triangle's normal",
@@ -92,7 +92,7 @@ pub(crate) type Intersect = fn([Vec3; 3], &Ray<f32>, f32) -> Option<[f32; 3]>;
 
 /// t, u and v by method `T`.
 pub fn intersect<T: TriangleMethod>(triangle: [Vec3; 3], ray: &Ray<f32>, limit: f32) -> Option<[f32; 3]> {
-    let TriangleHit { mask, t, u, v } = T::test(&T::prepare(ray), &T::store(triangle), limit);
+    let TriangleHit { mask, t, u, v } = T::test(&T::precalculate(ray), &T::store(triangle), limit);
     mask.then_some([t, u, v])
 }
 

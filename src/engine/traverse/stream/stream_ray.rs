@@ -1,4 +1,4 @@
-//! The prepared rays of a stream, and their octants.
+//! The rays of a stream as they are kept, and their octants.
 
 use crate::kernel::ray_box::{BoxRay, Padding};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleMethod, Woop, WoopRay};
@@ -16,7 +16,7 @@ pub const ORDERS_BY_T: bool = cfg!(target_feature = "sse4a");
 /// A ray ready for boxes and triangles: one cache line.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub struct PreparedRay {
+pub struct StreamRay {
     /// As in [`BoxRay`].
     pub inverse: [f32; 3],
     /// [`BoxRay::near`] and [`BoxRay::far`]; with [`ORDERS_BY_T`] exchanged along axes on which the ray runs
@@ -29,7 +29,7 @@ pub struct PreparedRay {
     shear: [f32; 3],
 }
 
-impl PreparedRay {
+impl StreamRay {
     /// Prepares eight rays. Returns them, the axes of their triangle tests, and their octants, one bit for
     /// each axis along which a ray runs backwards.
     #[inline(always)]
@@ -42,7 +42,7 @@ impl PreparedRay {
         let (e, h) = in_other_order(inverse.y, near.y, far.y);
         let (f, i) = in_other_order(inverse.z, near.z, far.z);
         let Vec3 { x: a, y: b, z: c } = inverse;
-        let (axis, origin, shear) = Woop::prepare(ray).into_parts();
+        let (axis, origin, shear) = Woop::precalculate(ray).into_parts();
         let (Vec3 { x: j, y: k, z: l }, Vec3 { x: m, y: n, z: o }) = (origin, shear);
         let lanes = U32x8::from_fn(|lane| lane as u32);
         let transposed = |columns: [F32x8; 8]| F32x8::gather_rows::<8>(bytemuck::cast_slice(&columns), lanes);
@@ -69,12 +69,12 @@ impl PreparedRay {
     /// Rays, one a lane, as boxes and triangles take them, and the distances of their nearest hits so far.
     #[inline(always)]
     pub fn columns(
-        prepared: &[Self],
+        stream_rays: &[Self],
         rays: NativeBits,
         axes: NativeBits,
     ) -> (BoxRay<Native>, WoopRay<Native>, Native) {
-        // A prepared ray is two rows.
-        let rows: &[[f32; 8]] = bytemuck::cast_slice(prepared);
+        // A stream ray is two rows.
+        let rows: &[[f32; 8]] = bytemuck::cast_slice(stream_rays);
         let row = rays.shl(1);
         let [a, b, c, d, e, f, g, h] = Native::gather_rows::<8>(rows, row);
         let [i, t, j, k, l, m, n, o] = Native::gather_rows::<8>(rows, row | NativeBits::splat(1));

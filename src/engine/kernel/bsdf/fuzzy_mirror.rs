@@ -1,5 +1,6 @@
-//! The thesis's lobe: wi = normalize(reflected + roughness · s), s uniform on the unit sphere; absorbed where
-//! the sum points below the surface or is zero. Samples have weight 1, so f · cos θ equals the pdf.
+//! The fuzzy mirror, the lobe of the thesis: wi = normalize(reflected + roughness · s), s uniform on the unit
+//! sphere; absorbed where the sum points below the surface or is zero. Samples have weight 1, so f · cos θ
+//! equals the pdf.
 //!
 //! # The pdf
 //! The sums are uniformly distributed on the surface of a sphere of radius ρ (the roughness) around the tip

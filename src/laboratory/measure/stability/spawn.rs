@@ -1,12 +1,12 @@
-//! Self-intersection: rays that leave a triangle and hit it again.
+//! Self-intersection: rays spawned on a triangle and hit it again.
 //!
 //! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch.
 //! 6, 2019.
 
 use super::methods::Method;
 use super::rays::{ray, towards};
-use super::recipe::{FailureCounts, Recipe, trials};
 use super::rng::Rng;
+use super::test_case::{FailureCounts, TestCase, trials};
 use super::triangles;
 use crate::kernel::ray_triangle::Woop;
 use crate::kernel::surface::{triangle_normal, triangle_offset};
@@ -16,16 +16,16 @@ use glam::Vec3;
 
 const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
 
-/// What the recipes of rays that leave a surface have in common.
-pub(super) fn common() -> Recipe {
-    Recipe { failure: "the ray hits the surface that it leaves", source: WAECHTER, ..Recipe::COMMON }
+/// What the test cases of rays that leave a surface have in common.
+pub(super) fn common() -> TestCase {
+    TestCase { failure: "the ray hits the surface that it leaves", source: WAECHTER, ..TestCase::COMMON }
 }
 
-pub(super) fn recipes() -> Vec<Recipe> {
+pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
-        Recipe {
-            name: "leaving-place",
-            title: "Leaving triangles with edges of 1",
+        TestCase {
+            name: "spawn-place",
+            title: "Rays spawned on triangles with edges of 1",
             axis: "distance of the triangle from the origin",
             places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
             methods: trials(
@@ -34,9 +34,9 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
-            name: "leaving-size",
-            title: "Leaving triangles at a distance of 1 from the origin",
+        TestCase {
+            name: "spawn-size",
+            title: "Rays spawned on triangles at a distance of 1 from the origin",
             axis: "edge of the triangle",
             places: &[1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
             methods: trials(
@@ -45,17 +45,17 @@ pub(super) fn recipes() -> Vec<Recipe> {
             ),
             ..common()
         },
-        Recipe {
-            name: "leaving-travelled",
-            title: "Leaving triangles with edges of 1, at a distance of 1 from the origin, after a long ray",
+        TestCase {
+            name: "spawn-travelled",
+            title: "Rays spawned on triangles with edges of 1, at a distance of 1 from the origin, after a long ray",
             axis: "length of the arriving ray",
             places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
             methods: trials(after_distance, &SPAWN_METHODS),
             ..common()
         },
-        Recipe {
-            name: "leaving-slivers",
-            title: "Leaving slivers with edges of 1",
+        TestCase {
+            name: "spawn-slivers",
+            title: "Rays spawned on slivers with edges of 1",
             axis: "usual height / height",
             places: &[1.0, 10.0, 100.0, 1e3, 1e4],
             methods: trials(
@@ -98,7 +98,7 @@ impl SpawnMethod {
     pub const fn share(share: f32) -> Self {
         Self { exact: true, share, constant: 0.0, t_min: 0.0 }
     }
-    /// The origin of the leaving ray, on the side of the unit vector `n`; `bound` is the surface's error
+    /// The origin of the spawned ray, on the side of the unit vector `n`; `bound` is the surface's error
     /// bound.
     pub(super) fn start(self, exact: Vec3, along: Vec3, n: Vec3, bound: f32) -> Vec3 {
         let point = if self.exact { exact } else { along };
@@ -109,7 +109,7 @@ impl SpawnMethod {
 
 /// A unit direction on the side of the unit vector `n`: cosine-weighted, or with a cosine from 1 down to
 /// 1e-6.
-pub(crate) fn leaving(rng: &mut Rng, n: Vec3) -> Vec3 {
+pub(crate) fn spawned(rng: &mut Rng, n: Vec3) -> Vec3 {
     if rng.index(2) == 0 {
         let [u, v] = [(); 2].map(|()| (rng.unit() as f32).min(1.0_f32.next_down()));
         return sample_cosine_hemisphere::<f32>(math::Vec3::splat(n), u, v).get(0);
@@ -125,7 +125,7 @@ pub(crate) fn leaving(rng: &mut Rng, n: Vec3) -> Vec3 {
     }
 }
 
-/// Length of arriving rays, in sizes, where it is not the axis of a recipe.
+/// Length of arriving rays, in sizes, where it is not the axis of a test case.
 pub(super) const ARRIVING: [f64; 2] = [0.5, 5.0];
 
 /// Counts rays that leave a triangle and hit it again: eight rays of lengths `near` to `far` arrive, and
@@ -152,7 +152,7 @@ pub fn leave_triangle(
         let exact = ab.mul_add(u, ac.mul_add(v, start)).get(0);
         for n in [normal, -normal] {
             let origin = method.start(exact, arriving.at(t).get(0), n, bound);
-            let next = ray(origin, leaving(rng, n));
+            let next = ray(origin, spawned(rng, n));
             let again = triangles::intersect::<Woop>(vertices, &next, f32::INFINITY);
             counts.record(again.is_some_and(|[t, ..]| t > method.t_min));
         }

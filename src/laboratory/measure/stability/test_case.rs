@@ -1,6 +1,6 @@
-//! A recipe: inputs on which methods fail, and the failures of each method.
+//! A test case: inputs on which methods fail, and the failures of each method.
 //!
-//! For: [`Recipe`], [`Bound`], [`FailureCounts`], [`Outcome`].
+//! For: [`TestCase`], [`Bound`], [`FailureCounts`], [`Outcome`].
 
 use super::methods::Method;
 use super::rng::Rng;
@@ -12,15 +12,15 @@ use std::fmt::{self, Debug};
 /// Half the distance from 1 to the next f32, 2⁻²⁴, for bounds.
 pub const EPSILON: f64 = crate::math::EPSILON as f64;
 
-/// Tries and records some cases at a place of the axis: usually one, and none where the random input is
+/// Tries and records some inputs at a place of the axis: usually one, and none where the random input is
 /// unsuitable.
 pub type Trial = Box<dyn Fn(&mut Rng, f64, &mut FailureCounts) + Send + Sync>;
 
 /// Inputs on which methods fail, along one axis. JSON has its texts.
 #[derive(Serialize)]
-pub struct Recipe {
+pub struct TestCase {
     /// Short name, for the command line and for files: `spheres-far`.
-    #[serde(rename = "recipe")]
+    #[serde(rename = "test_case")]
     pub name: &'static str,
     /// What is difficult, as the heading of a figure.
     pub title: &'static str,
@@ -35,9 +35,9 @@ pub struct Recipe {
     pub error: Option<&'static str>,
     /// Source that describes the difficulty.
     pub source: &'static str,
-    /// Cases at each place, with an effort of 1.
+    /// Inputs at each place, with an effort of 1.
     #[serde(skip)]
-    pub cases: usize,
+    pub inputs: usize,
     /// The methods that are tried, the default among them.
     #[serde(skip)]
     pub methods: Vec<Method<Trial>>,
@@ -46,7 +46,7 @@ pub struct Recipe {
     pub bound: fn(f64) -> Bound,
 }
 
-impl Debug for Recipe {
+impl Debug for TestCase {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(self.name)
     }
@@ -98,22 +98,22 @@ impl Bound {
     /// Whether this number of failures is within the bound.
     pub(crate) fn allows(&self, failures: usize, tested: usize) -> bool {
         let expected = self.failures * tested as f64;
-        let spread = if expected > 0.0 { 5.0 * expected.sqrt() + 3.0 } else { 0.0 };
-        failures as f64 <= expected + spread
+        let tolerance = if expected > 0.0 { 5.0 * expected.sqrt() + 3.0 } else { 0.0 };
+        failures as f64 <= expected + tolerance
     }
 }
 
-/// Number of cases, as a share of those of the command.
+/// Number of inputs, as a share of those of the command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort(pub f64);
 
 impl Effort {
     /// As many as the command.
     pub const STANDARD: Self = Self(1.0);
-    /// As many as the command with `--thorough`: millions for most recipes.
+    /// As many as the command with `--thorough`: millions for most test cases.
     pub const THOROUGH: Self = Self(10.0);
 
-    fn cases(self, full: usize) -> usize {
+    fn inputs(self, full: usize) -> usize {
         ((full as f64 * self.0).ceil() as usize).max(1)
     }
 }
@@ -121,21 +121,21 @@ impl Effort {
 /// Failures and errors of a method.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FailureCounts {
-    /// Cases, failed or not.
+    /// Inputs, failed or not.
     pub tested: usize,
-    /// Cases that failed.
+    /// Inputs that failed.
     pub failures: usize,
-    /// Errors of the cases that did not fail, where measured.
+    /// Errors of the inputs that did not fail, where measured.
     pub errors: Vec<f64>,
 }
 
 impl FailureCounts {
-    /// Records a case without an error.
+    /// Records an input without an error.
     pub(crate) fn record(&mut self, failed: bool) {
         self.tested += 1;
         self.failures += usize::from(failed);
     }
-    /// Records a case that did not fail, with its error. An error that is NaN ([`FAILED`]) or infinite is a
+    /// Records an input that did not fail, with its error. An error that is NaN ([`FAILED`]) or infinite is a
     /// failure: in quantiles it would go unnoticed.
     pub(crate) fn record_error(&mut self, error: f64) {
         if error.is_finite() {
@@ -153,18 +153,18 @@ impl FailureCounts {
     }
 }
 
-/// The error of a case that failed.
+/// The error of an input that failed.
 pub(crate) const FAILED: f64 = f64::NAN;
 
-/// The result of a recipe.
+/// The result of a test case.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// Its texts are flattened into this object in JSON.
     #[serde(flatten)]
-    pub recipe: &'static Recipe,
+    pub test_case: &'static TestCase,
     /// Whether the default method keeps its bounds.
     pub holds: bool,
-    /// One per method, in the order of the recipe.
+    /// One per method, in the order of the test case.
     pub curves: Vec<Curve>,
 }
 
@@ -183,13 +183,13 @@ pub struct Curve {
 /// `None` where no error is measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
-    /// The place, in the unit of [`Recipe::axis`].
+    /// The place, in the unit of [`TestCase::axis`].
     pub x: f64,
-    /// Cases, failed or not.
+    /// Inputs, failed or not.
     pub tested: usize,
-    /// Cases that failed.
+    /// Inputs that failed.
     pub failures: usize,
-    /// Median error, in the unit of [`Recipe::error`].
+    /// Median error, in the unit of [`TestCase::error`].
     pub p50: Option<f64>,
     /// 90th percentile of the error.
     pub p90: Option<f64>,
@@ -227,7 +227,7 @@ impl Point {
     pub fn rate(&self) -> f64 {
         self.failures as f64 / self.tested as f64
     }
-    /// Whether the bound is kept, if there is one. Zero tested cases break it.
+    /// Whether the bound is kept, if there is one. Zero tested inputs break it.
     pub fn holds(&self) -> bool {
         self.bound.is_none_or(|bound| {
             let exact_enough = bound.p99.is_none_or(|most| self.p99.is_none_or(|p99| p99 <= most));
@@ -236,14 +236,14 @@ impl Point {
     }
 }
 
-/// The same as [`Recipe::run`] for several recipes, in their order.
-pub fn run(recipes: &[&'static Recipe], effort: Effort, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
-    recipes.par_iter().map(|recipe| recipe.run(effort, done)).collect()
+/// The same as [`TestCase::run`] for several test cases, in their order.
+pub fn run(test_cases: &[&'static TestCase], effort: Effort, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
+    test_cases.par_iter().map(|test_case| test_case.run(effort, done)).collect()
 }
 
-impl Recipe {
-    /// What recipes have in common unless they say otherwise: the number of cases, no error, and a default
-    /// method that never fails.
+impl TestCase {
+    /// What test cases have in common unless they say otherwise: the number of inputs, no error, and a
+    /// default method that never fails.
     pub const COMMON: Self = Self {
         name: "",
         title: "",
@@ -252,7 +252,7 @@ impl Recipe {
         failure: "",
         error: None,
         source: "",
-        cases: 100_000,
+        inputs: 100_000,
         methods: Vec::new(),
         bound: |_| Bound::NO_FAILURE,
     };
@@ -263,7 +263,7 @@ impl Recipe {
     }
 
     /// Every method at every place, in parallel on the threads of the caller's pool. Calls `done` after each
-    /// of [`Recipe::points`].
+    /// of [`TestCase::points`].
     pub fn run(&'static self, effort: Effort, done: &(dyn Fn() + Sync)) -> Outcome {
         let point = |method: &Method<Trial>, x| {
             let point = self.at(method, x, effort);
@@ -277,21 +277,21 @@ impl Recipe {
         };
         let curves: Vec<Curve> = self.methods.par_iter().map(curve).collect();
         Outcome {
-            recipe: self,
+            test_case: self,
             holds: curves.iter().flat_map(|curve| &curve.points).all(Point::holds),
             curves,
         }
     }
 
-    /// One method at one place, which need not be one of the recipe's places.
+    /// One method at one place, which need not be one of the test case's places.
     pub fn at(&self, method: &Method<Trial>, x: f64, effort: Effort) -> Point {
-        let cases = effort.cases(self.cases);
+        let inputs = effort.inputs(self.inputs);
         // Large enough that the overhead of a part is small, small enough for all threads.
-        let part = cases.div_ceil(16).clamp(1, 4096);
-        let parts = (0..cases.div_ceil(part)).into_par_iter().map(|number| {
+        let part = inputs.div_ceil(16).clamp(1, 4096);
+        let parts = (0..inputs.div_ceil(part)).into_par_iter().map(|number| {
             let mut rng = Rng::of(self.name, [x.to_bits(), number as u64]);
             let mut counts = FailureCounts::default();
-            while counts.tested < part.min(cases - number * part) {
+            while counts.tested < part.min(inputs - number * part) {
                 (method.run)(&mut rng, x, &mut counts);
             }
             counts

@@ -20,7 +20,7 @@ impl SingleRay {
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(ray: Ray<f32>, padding: Padding) -> Self {
-        Self { ray, box_ray: BoxRay::new(&ray, padding), woop: Woop::prepare(&ray) }
+        Self { ray, box_ray: BoxRay::new(&ray, padding), woop: Woop::precalculate(&ray) }
     }
 }
 
@@ -39,7 +39,7 @@ impl<L: Lane> Packet<L> {
     /// Prepares a packet.
     #[inline(always)]
     pub fn new(ray: Ray<L>) -> Self {
-        let woop = Woop::prepare(&ray);
+        let woop = Woop::precalculate(&ray);
         Self { ray, axis: woop.common_axis(), woop, box_ray: None }
     }
 }

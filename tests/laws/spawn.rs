@@ -1,6 +1,6 @@
-//! The law of leaving: a ray that leaves a surface, by the offset of `kernel::surface`, never hits it again,
-//! and loses nothing that is clearly farther away than that offset; and the offset is neither lucky nor more
-//! than some times too large.
+//! The law of spawned rays: a ray spawned on a surface, by the offset of `kernel::surface`, never hits it
+//! again, and loses nothing that is clearly farther away than that offset; and the offset is neither lucky
+//! nor more than some times too large.
 //!
 //! The rays are those of `octray stability`, here from near and far at once, and with a share of the offset.
 //! Seeds are fixed; re-hits must be 0.
@@ -8,15 +8,15 @@
 use crate::common::*;
 use octray::buffers::Buffers;
 use octray::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
-use octray::measure::stability::leaving::{self, SpawnMethod, leave_triangle};
 use octray::measure::stability::shells::{Side, leave_shell, leave_sphere};
+use octray::measure::stability::spawn::{self, SpawnMethod, leave_triangle};
 use octray::measure::stability::spheres::Ball;
 use octray::measure::stability::{FailureCounts, rooms};
 
 /// How far rays travel before they leave, in sizes of what they leave.
 const TRAVELLED: [f64; 2] = [1e-2, 1e3];
 
-/// The recipes leave by the numbers that pictures are made with.
+/// The test cases leave by the numbers that pictures are made with.
 #[test]
 fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
     let mut rng = Rng(20);
@@ -36,14 +36,14 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
     }
 }
 
-/// Re-hits among rays that leave triangles with edges of about `size`, `place` away from the origin; `share`
+/// Re-hits among rays spawned on triangles with edges of about `size`, `place` away from the origin; `share`
 /// of the offset is used. Every other triangle is a sliver, its height 1e-1 to 1e-4 of the usual.
 fn triangle_rehits(size: f64, place: f64, share: f32, count: usize) -> usize {
     let mut rng = Rng(21);
     let mut counts = FailureCounts::default();
     while counts.tested < count {
         let flat = [1.0, rng.scale(10.0, 1e4)][rng.index(2)];
-        if let Some(vertices) = leaving::triangle(&mut rng, size, place, flat) {
+        if let Some(vertices) = spawn::triangle(&mut rng, size, place, flat) {
             let travelled = TRAVELLED.map(|travelled| travelled * size);
             leave_triangle(&mut counts, &mut rng, vertices, travelled, SpawnMethod::share(share));
         }

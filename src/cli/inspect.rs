@@ -5,6 +5,7 @@ use super::groups::SCENE;
 use super::scenes;
 use super::terminal::Printer;
 use crate::report::inspection::Inspection;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Show what a scene contains.
@@ -17,7 +18,7 @@ use std::process::ExitCode;
 #[command(after_help = "Example:\n  octray inspect builtin:three --json")]
 pub struct Options {
     #[arg(value_name = "SCENE", help = SCENE)]
-    scene: String,
+    scene: OsString,
     /// Print the report as JSON (schema octray-inspect-1).
     #[arg(long)]
     json: bool,
@@ -26,7 +27,7 @@ pub struct Options {
 /// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let scene = scenes::load(&options.scene)?;
-    let inspection = Inspection::of(options.scene, &scene);
+    let inspection = Inspection::of(options.scene.to_string_lossy().into_owned(), &scene);
     let out = Printer { json: options.json };
     out.text(&inspection.text())?;
     out.report(&inspection)?;

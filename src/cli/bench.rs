@@ -18,6 +18,7 @@ use crate::report::settings::{RunSettings, own_size};
 use crate::scene::{Scene, bench_names};
 use clap::Parser;
 use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -50,7 +51,7 @@ const MAX_FRAMES: u32 = 1_000_000;
 pub struct Options {
     /// Scene files, models, or builtin:NAME; the built-in bench scenes if none is given.
     #[arg(value_name = "SCENE")]
-    scenes: Vec<String>,
+    scenes: Vec<OsString>,
     /// Print the figures as JSON (schema octray-bench-1).
     #[arg(long)]
     json: bool,
@@ -153,12 +154,12 @@ impl Options {
     }
 
     /// The report in this file, if it is one of these scenes and settings.
-    fn baseline(&self, file: &Path, scenes: &[String]) -> Result<Baseline, CliError> {
+    fn baseline(&self, file: &Path, scenes: &[OsString]) -> Result<Baseline, CliError> {
         let refuse = |why: String| refuse("--baseline", file.display(), why);
         let text =
             fs::read_to_string(file).map_err(|error| refuse(format!("it cannot be read ({error})")))?;
         let baseline = Baseline::read(&text).map_err(refuse)?;
-        let of = |name: &String| {
+        let of = |name: &OsString| {
             scenes::load(name).map(|scene| MeasuredScene::of(&scene, &self.frame.settings(&scene)))
         };
         let scenes = scenes.iter().map(of).collect::<Result<Vec<_>, _>>()?;

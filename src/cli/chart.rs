@@ -21,6 +21,7 @@ use crate::scene::{MAX_BOUNCES, Scene, bench_names};
 use crate::traverse::Methods;
 use crate::wording::counted;
 use clap::Parser;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -56,7 +57,7 @@ const MAX_SEEDS: u32 = 1_000;
 pub struct Options {
     /// Scene files, models, or builtin:NAME; the built-in bench scenes if none is given.
     #[arg(value_name = "SCENE")]
-    scenes: Vec<String>,
+    scenes: Vec<OsString>,
     /// The folder for all files; created if it does not exist.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -166,7 +167,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         interrupt::set_last_note(format!("{nothing} It keeps {truths} for the next run."));
         let mut charted = plan.chart(&scene, &truth, &step);
         // The name on the command line: files in different folders may share a file name.
-        charted.scene = name.clone();
+        charted.scene = name.to_string_lossy().into_owned();
         chart.scenes.push(charted);
         let of_scene = [("sphere", !scene.spheres.is_empty()), ("triangle", !scene.triangles.is_empty())];
         shapes.extend(of_scene.into_iter().filter_map(|(shape, has)| has.then_some(shape)));

@@ -14,6 +14,7 @@ use crate::report::compare::{FilmHash, HashReport, Report, hash_row, heading, me
 use crate::report::settings::RunSettings;
 use crate::scene::{Loaded, builtin_names};
 use clap::Parser;
+use std::ffi::{OsStr, OsString};
 use std::process::ExitCode;
 
 const HASH: &str = "Only print a hash of each scene's film, equal on every machine: FNV-1a (64 bits) of width and \
@@ -36,7 +37,7 @@ const HASH: &str = "Only print a hash of each scene's film, equal on every machi
 pub struct Options {
     /// Scene files, models, or builtin:NAME; the built-in scenes if none is given.
     #[arg(value_name = "SCENE")]
-    scenes: Vec<String>,
+    scenes: Vec<OsString>,
     /// Print the figures as JSON (schema octray-compare-1; of hashes octray-hash-1).
     #[arg(long)]
     json: bool,
@@ -54,7 +55,7 @@ pub struct Options {
 }
 
 impl Options {
-    fn load(&self, name: &str) -> Result<(Loaded, Settings), CliError> {
+    fn load(&self, name: &OsStr) -> Result<(Loaded, Settings), CliError> {
         let (scene, settings) = self.frame.load(name, BYTES_PER_PIXEL)?;
         Ok((scene, Settings { threads: self.threads(), ..settings }))
     }
@@ -78,14 +79,15 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 }
 
 /// Prints a hash of each scene's film.
-fn hash(options: &Options, scenes: Vec<String>, out: Printer) -> Result<ExitCode, CliError> {
+fn hash(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCode, CliError> {
     let mut report = HashReport::default();
     for spec in scenes {
         let (scene, settings) = options.load(&spec)?;
         let renderer = Renderer::new(&scene, settings);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, options.samples);
-        let result = FilmHash { scene: spec, hash: format!("{:016x}", film.picture().hash()) };
+        let scene = spec.to_string_lossy().into_owned();
+        let result = FilmHash { scene, hash: format!("{:016x}", film.picture().hash()) };
         out.text(&hash_row(&result))?;
         report.results.push(result);
     }
@@ -93,7 +95,7 @@ fn hash(options: &Options, scenes: Vec<String>, out: Printer) -> Result<ExitCode
     Ok(ExitCode::SUCCESS)
 }
 
-fn compare_all(options: &Options, scenes: Vec<String>, out: Printer) -> Result<ExitCode, CliError> {
+fn compare_all(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCode, CliError> {
     let mut report =
         Report { schema: "octray-compare-1", settings: options.run_settings(), results: Vec::new() };
     let defaults = Options::parse_from(["compare"]).run_settings();

@@ -68,7 +68,7 @@ fn check_model(model: &Path, scene: &Path) -> Result<(), CliError> {
     let is_built_in = name.starts_with("builtin:");
     if is_built_in {
         // An unknown name is none of a scene.
-        scene::load(&name)?;
+        scene::load(model)?;
     }
     if is_built_in || has_extension(model, "json") {
         let mend = match scene::is_model(scene) {

@@ -10,6 +10,7 @@ use super::scenes;
 use crate::render::{PipelineChoice, Settings};
 use crate::report::settings::RunSettings;
 use crate::scene::{Loaded, MAX_BOUNCES, Scene};
+use std::ffi::OsStr;
 
 /// How the measured frames of scenes are made.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -59,7 +60,7 @@ impl FrameOptions {
 
     /// Loads a scene with its warnings, checks the memory of its own size, and says where a method tests
     /// every primitive.
-    pub fn load(&self, name: &str, bytes_per_pixel: usize) -> Result<(Loaded, Settings), CliError> {
+    pub fn load(&self, name: &OsStr, bytes_per_pixel: usize) -> Result<(Loaded, Settings), CliError> {
         let scene = scenes::load_with_warnings(name)?;
         let settings = self.settings(&scene);
         if self.as_scene {

@@ -12,6 +12,7 @@ use crate::report::inspection::Inspection;
 use crate::report::path;
 use crate::report::settings::{self, RunSettings};
 use serde_json::json;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Show what a scene contains, or one path of a pixel.
@@ -30,7 +31,7 @@ use std::process::ExitCode;
                         octray inspect builtin:three --pixel 120,90 --size 240x135")]
 pub struct Options {
     #[arg(value_name = "SCENE", help = SCENE)]
-    scene: String,
+    scene: OsString,
     /// Also print the reasons for the traversal and the default methods.
     #[arg(long)]
     why: bool,
@@ -66,7 +67,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         return print_path(&options, pixel, out);
     }
     let scene = scenes::load(&options.scene)?;
-    let inspection = Inspection::of(options.scene, &scene);
+    let inspection = Inspection::of(options.scene.to_string_lossy().into_owned(), &scene);
     out.text(&inspection.text(options.why))?;
     out.report(&inspection)?;
     Ok(checked(!inspection.is_valid()))

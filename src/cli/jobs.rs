@@ -11,6 +11,7 @@ use super::picture::PictureOptions;
 use crate::checkpoint::{CheckpointError, Shard, is_checkpoint};
 use crate::output::{self, Existing, Format};
 use std::collections::HashSet;
+use std::ffi::OsString;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -48,7 +49,7 @@ use std::time::Duration;
   octray render path.json -o shot-####.png --frames 1..48")]
 pub struct RenderOptions {
     #[arg(value_name = "SCENE", help = SCENE)]
-    pub scene: String,
+    pub scene: OsString,
     /// The picture file: .png, .jpg, .exr or .hdr.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,

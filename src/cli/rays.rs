@@ -19,6 +19,7 @@ use crate::traverse::{Methods, TraversalChoice};
 use crate::wording::grouped;
 use clap::Parser;
 use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -49,7 +50,7 @@ const MAX_RAYS: u32 = 1 << 23;
   octray rays bunny.obj --dump bunny-rays")]
 pub struct Options {
     #[arg(value_name = "SCENE", help = SCENE)]
-    scene: String,
+    scene: OsString,
     /// Print the figures as JSON (schema octray-rays-1).
     #[arg(long)]
     json: bool,

@@ -237,7 +237,7 @@ impl Rendering {
         });
         Report {
             schema: "octray-render-1",
-            scene: options.scene.clone(),
+            scene: options.scene.to_string_lossy().into_owned(),
             frame: job.frame,
             shard: job.shard.map(|Shard { number, of }| [number, of]),
             output: job.output.display().to_string(),

@@ -7,11 +7,12 @@ use super::numbers::{clamp, exposure, samples};
 use super::picture::of_view;
 use super::terminal;
 use crate::scene::{self, Loaded, view_fault};
+use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 
 /// Loads a scene by name. Every command refuses a view with numbers out of range, also a command that does
 /// not use them.
-pub fn load(name: &str) -> Result<Loaded, CliError> {
+pub fn load(name: &OsStr) -> Result<Loaded, CliError> {
     let scene = scene::load_with_view(name)?;
     let view = of_view(&scene);
     check(&scene, "samples", view.samples, samples)?;
@@ -33,7 +34,7 @@ fn check<T: Display>(
 }
 
 /// Loads a scene by name, and prints its warnings.
-pub fn load_with_warnings(name: &str) -> Result<Loaded, CliError> {
+pub fn load_with_warnings(name: &OsStr) -> Result<Loaded, CliError> {
     let scene = load(name)?;
     scene.warnings.iter().for_each(|warning| terminal::warn(warning));
     Ok(scene)
@@ -44,9 +45,9 @@ pub fn load_with_warnings(name: &str) -> Result<Loaded, CliError> {
 /// Several scenes are all loaded once here and dropped, so that a fault in the last one shows before the
 /// others take their time, and only one is in memory at a time.
 pub fn checked(
-    names: &[String],
+    names: &[OsString],
     built_in: impl Iterator<Item = &'static str>,
-) -> Result<Vec<String>, CliError> {
+) -> Result<Vec<OsString>, CliError> {
     if names.len() > 1 {
         names.iter().try_for_each(|name| load(name).map(drop))?;
     }
@@ -54,9 +55,9 @@ pub fn checked(
 }
 
 /// The names given, or those of `built_in` scenes if none is given.
-pub fn or_built_in(names: &[String], built_in: impl Iterator<Item = &'static str>) -> Vec<String> {
+pub fn or_built_in(names: &[OsString], built_in: impl Iterator<Item = &'static str>) -> Vec<OsString> {
     match names {
-        [] => built_in.map(|name| format!("builtin:{name}")).collect(),
+        [] => built_in.map(|name| format!("builtin:{name}").into()).collect(),
         some => some.to_vec(),
     }
 }

@@ -15,6 +15,7 @@ use crate::viewer::playlist::Playlist;
 use crate::viewer::{self, Summary};
 use crate::wording::counted;
 use serde::Serialize;
+use std::ffi::{OsStr, OsString};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -40,7 +41,7 @@ const MAX_FPS: u32 = 1_000;
 pub struct Options {
     /// Scene files, models, folders of them, or builtin:NAME [default: the built-in scenes].
     #[arg(value_name = "SCENE")]
-    scenes: Vec<String>,
+    scenes: Vec<OsString>,
     /// Draw in this terminal instead of a window.
     #[arg(long)]
     terminal: bool,
@@ -173,15 +174,18 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let names = scenes::or_built_in(&options.scenes, builtin_names());
     let Some(playlist) = Playlist::new(&names) else {
         let what = "there is no scene (.json) and no model (.obj, .gltf, .glb, .ply) in";
-        return refuse(&format!("{what} {}", names.join(", ")), "name a folder that holds some, or a file");
+        let names = names.join(OsStr::new(", "));
+        return refuse(&format!("{what} {}", names.display()), "name a folder that holds some, or a file");
     };
     if !options.screenshots.is_dir() {
         let what = format!("there is no folder `{}` for screenshots", options.screenshots.display());
         return refuse(&what, "make it, or name another with --screenshots");
     }
     let name = playlist.current();
-    if !name.starts_with("builtin:") && Path::new(name).extension().is_none() && !Path::new(name).exists() {
-        let what = format!("there is no file or folder `{name}`");
+    let path = Path::new(name);
+    let is_built_in = path.to_string_lossy().starts_with("builtin:");
+    if !is_built_in && path.extension().is_none() && !path.exists() {
+        let what = format!("there is no file or folder `{}`", path.display());
         return refuse(&what, "name a scene, a model, a folder of them, or builtin:NAME");
     }
     let first = scenes::load_with_warnings(name)?;

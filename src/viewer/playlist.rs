@@ -3,23 +3,24 @@
 //! For: [`Playlist`].
 
 use octray_formats::scene::may_be_scene;
+use std::ffi::{OsStr, OsString};
 
 /// Scene names as on the command line, and the index of the current one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Playlist {
-    names: Vec<String>,
+    names: Vec<OsString>,
     at: usize,
 }
 
 impl Playlist {
     /// From names of scenes and of folders, which stand for the scenes and models in them, sorted; `None` if
     /// there are none.
-    pub fn new(names: &[String]) -> Option<Self> {
-        let names: Vec<String> = names.iter().flat_map(|name| expand(name)).collect();
+    pub fn new(names: &[impl AsRef<OsStr>]) -> Option<Self> {
+        let names: Vec<OsString> = names.iter().flat_map(|name| expand(name.as_ref())).collect();
         (!names.is_empty()).then_some(Self { names, at: 0 })
     }
     /// The name of the current scene.
-    pub fn current(&self) -> &str {
+    pub fn current(&self) -> &OsStr {
         &self.names[self.at]
     }
     /// The number of scenes, and the current one counted from 1.
@@ -34,10 +35,10 @@ impl Playlist {
     }
     /// Makes this scene, or the first one of this folder, the current one. New scenes are inserted behind the
     /// current one. Returns false if the folder holds none.
-    pub(crate) fn drop_in(&mut self, name: &str) -> bool {
-        let new = expand(name);
+    pub(crate) fn drop_in(&mut self, name: impl AsRef<OsStr>) -> bool {
+        let new = expand(name.as_ref());
         let Some(first) = new.first().cloned() else { return false };
-        let unknown: Vec<String> = new.into_iter().filter(|name| !self.names.contains(name)).collect();
+        let unknown: Vec<OsString> = new.into_iter().filter(|name| !self.names.contains(name)).collect();
         self.names.splice(self.at + 1..self.at + 1, unknown);
         self.at = self.names.iter().position(|known| *known == first).unwrap_or(self.at);
         true
@@ -45,11 +46,11 @@ impl Playlist {
 }
 
 /// The name itself, or the scenes and models of a folder.
-fn expand(name: &str) -> Vec<String> {
-    let Ok(folder) = std::fs::read_dir(name) else { return vec![name.to_string()] };
+fn expand(name: &OsStr) -> Vec<OsString> {
+    let Ok(folder) = std::fs::read_dir(name) else { return vec![name.to_os_string()] };
     let paths = folder.filter_map(|entry| Some(entry.ok()?.path()));
-    let mut names: Vec<String> =
-        paths.filter(|path| may_be_scene(path)).map(|path| path.to_string_lossy().into_owned()).collect();
+    let mut names: Vec<OsString> =
+        paths.filter(|path| may_be_scene(path)).map(|path| path.into_os_string()).collect();
     names.sort();
     names
 }
@@ -57,19 +58,20 @@ fn expand(name: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     fn list(names: &[&str]) -> Playlist {
-        Playlist::new(&names.iter().map(|name| name.to_string()).collect::<Vec<_>>()).unwrap()
+        Playlist::new(names).unwrap()
     }
 
     #[test]
     fn paging_goes_around() {
         let mut list = list(&["a", "b", "c"]);
         list.previous();
-        assert_eq!((list.current(), list.place()), ("c", [3, 3]));
+        assert_eq!((list.current(), list.place()), ("c".as_ref(), [3, 3]));
         list.next();
         list.next();
-        assert_eq!((list.current(), list.place()), ("b", [3, 2]));
+        assert_eq!((list.current(), list.place()), ("b".as_ref(), [3, 2]));
     }
 
     #[test]
@@ -80,29 +82,33 @@ mod tests {
         }
         let path = folder.path().to_string_lossy().into_owned();
         let mut list = Playlist::new(&["first".to_string(), path.clone()]).unwrap();
-        let names: Vec<_> = list.names.iter().map(|name| name.rsplit(['/', '\\']).next().unwrap()).collect();
+        let names: Vec<_> = list.names.iter().map(|name| Path::new(name).file_name().unwrap()).collect();
         assert_eq!(names, ["first", "a.json", "b.OBJ", "c.glb", "d.gltf", "e.Ply", "z.json"]);
         let empty = tempfile::tempdir().unwrap();
-        assert_eq!(Playlist::new(&[empty.path().to_string_lossy().into_owned()]), None);
-        assert!(!list.drop_in(&empty.path().to_string_lossy()));
+        assert_eq!(Playlist::new(&[empty.path()]), None);
+        assert!(!list.drop_in(empty.path()));
     }
 
     #[test]
     fn what_is_dropped_is_shown_and_never_twice_in_the_list() {
         let mut list = list(&["a", "b"]);
         assert!(list.drop_in("new"));
-        assert_eq!((list.current(), list.place()), ("new", [3, 2]));
+        assert_eq!((list.current(), list.place()), ("new".as_ref(), [3, 2]));
         assert!(list.drop_in("b"));
-        assert_eq!((list.current(), list.place()), ("b", [3, 3]));
+        assert_eq!((list.current(), list.place()), ("b".as_ref(), [3, 3]));
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
         for name in ["a.json", "b.json", "c.json"] {
             std::fs::write(path(name), "").unwrap();
         }
-        assert!(list.drop_in(&path("b.json")));
-        assert!(list.drop_in(folder.path().to_str().unwrap()));
-        assert_eq!((list.current(), list.place()), (path("a.json").as_str(), [6, 5]));
+        assert!(list.drop_in(path("b.json")));
+        assert!(list.drop_in(folder.path()));
+        assert_eq!((list.current(), list.place()), (path("a.json").as_ref(), [6, 5]));
         list.next();
-        assert_eq!(list.current(), path("c.json"), "a scene that was in the list stays where it was");
+        assert_eq!(
+            list.current(),
+            path("c.json").as_str(),
+            "a scene that was in the list stays where it was"
+        );
     }
 }

@@ -151,7 +151,8 @@ impl RenderLoop {
     /// load: a change of one of them triggers another attempt.
     fn watch_files(&mut self) {
         let wanted = self.state.playlist.current();
-        let wanted = (!wanted.starts_with("builtin:")).then_some(Path::new(wanted));
+        let is_built_in = wanted.to_string_lossy().starts_with("builtin:");
+        let wanted = (!is_built_in).then_some(Path::new(wanted));
         let files = self.scene.files.iter().chain(self.error.iter().flat_map(|error| &error.files));
         self.file_watcher.watch(files.map(PathBuf::as_path).chain(wanted), self.read);
     }
@@ -240,10 +241,10 @@ impl RenderLoop {
 
     /// Requests the playlist's current scene; a reload if it is the one that is shown.
     fn load(&mut self) {
-        let name = self.state.playlist.current().to_string();
+        let name = self.state.playlist.current().to_os_string();
         let reload = self.state.shows_current();
         if !reload {
-            self.message = Some((format!("reading {name}"), Instant::now()));
+            self.message = Some((format!("reading {}", name.display()), Instant::now()));
         }
         self.read = SystemTime::now();
         // Before the scene is read, so that no change is missed.

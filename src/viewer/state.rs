@@ -8,6 +8,7 @@ use super::keys::{self, Action, Key};
 use super::playlist::Playlist;
 use octray_formats::scene::Scene;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
 use std::time::{Duration, Instant};
 
 /// An event from a front end.
@@ -31,7 +32,7 @@ pub enum Event {
     /// The window lost the focus: all keys count as released.
     Unfocused,
     /// A dropped scene file or folder.
-    Dropped(String),
+    Dropped(OsString),
     /// Refresh rate of the display, in frames per second.
     Rate(f64),
     /// The front end closes: the render loop ends.
@@ -71,16 +72,16 @@ pub(crate) struct State {
     /// The scene's bounces, or the command line's.
     scene_bounces: u32,
     /// The playlist name of the scene that is shown.
-    name: String,
+    name: OsString,
     /// Camera and chosen bounces of scenes that were left, by playlist name.
-    saved: BTreeMap<String, (CameraController, Option<u32>)>,
+    saved: BTreeMap<OsString, (CameraController, Option<u32>)>,
 }
 
 impl State {
     /// `bounces` overrides every scene's.
     pub fn new(playlist: Playlist, scene: &Scene, controls: Controls, bounces: Option<u32>) -> Self {
         Self {
-            name: playlist.current().to_string(),
+            name: playlist.current().to_os_string(),
             playlist,
             camera_controller: CameraController::new(scene.camera),
             controls,
@@ -108,7 +109,7 @@ impl State {
         let own_before = std::mem::replace(&mut self.scene_bounces, own);
         let mut bounces = Some(self.controls.bounces).filter(|chosen| *chosen != own_before);
         if !self.shows_current() {
-            let before = std::mem::replace(&mut self.name, self.playlist.current().to_string());
+            let before = std::mem::replace(&mut self.name, self.playlist.current().to_os_string());
             let (camera, chosen) =
                 self.saved.remove(&self.name).unwrap_or_else(|| (CameraController::new(scene.camera), None));
             let left = std::mem::replace(&mut self.camera_controller, camera);

@@ -113,7 +113,7 @@ impl RawTerminal {
             // Terminals paste the path of a dropped file.
             event::Event::Paste(name) => {
                 let name = name.trim().trim_matches(['\'', '"']).replace("\\ ", " ");
-                viewer.send(Event::Dropped(name));
+                viewer.send(Event::Dropped(name.into()));
             }
             event::Event::FocusLost => viewer.send(Event::Unfocused),
             event::Event::Resize(..) => cells.invalidate(),

@@ -271,7 +271,7 @@ impl ApplicationHandler<FrameReady> for App {
                 MouseScrollDelta::PixelDelta(travel) => travel.y / 40.0,
             })),
             WindowEvent::DroppedFile(path) => {
-                self.viewer.send(Event::Dropped(path.to_string_lossy().into_owned()));
+                self.viewer.send(Event::Dropped(path.into_os_string()));
             }
             _ => {}
         }

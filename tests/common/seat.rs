@@ -44,7 +44,7 @@ pub struct Seat {
 impl Seat {
     pub fn start(options: Options, names: &[&str]) -> Self {
         let first = octray::scene::load_with_view(names[0]).unwrap();
-        let playlist = Playlist::new(&names.iter().map(|name| name.to_string()).collect::<Vec<_>>()).unwrap();
+        let playlist = Playlist::new(names).unwrap();
         let made = Arc::new(AtomicU64::new(0));
         let count = made.clone();
         let wake = move || {

@@ -219,3 +219,21 @@ fn meshes_beside_the_project_render() {
         desk.render_small(mesh.to_str().unwrap());
     }
 }
+
+/// Names of files are bytes.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_whose_names_are_not_utf_8_are_scenes_too() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let desk = Desk::new();
+    let name = OsStr::from_bytes(b"gr\xfcn.obj");
+    std::fs::write(desk.path("").join(name), "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        .unwrap();
+    for arguments in [["inspect"].as_slice(), &["compare", "--samples", "1", "--size", "8x8"]] {
+        let mut command = desk.octray(&arguments.join(" "));
+        command.arg(name).assert().success().stdout(contains("gr\u{fffd}n.obj"));
+    }
+    let refused = desk.octray("render -o x.png").arg(OsStr::from_bytes(b"\xfc.obj")).assert().code(2);
+    refused.stderr(contains("cannot read the scene: no such file\n  in \u{fffd}.obj"));
+}

@@ -2,7 +2,7 @@
 
 use crate::folder::Folder;
 use glam::{Vec2, Vec3, vec3};
-use octray::scene::{Material, MaterialKind, Scene, SceneError, Sky, Texels, convert_model, load};
+use octray::scene::{Material, MaterialKind, Scene, SceneError, Sky, Texels, Triangle, convert_model, load};
 use std::path::Path;
 
 fn load_obj(text: impl AsRef<[u8]>) -> Scene {
@@ -41,7 +41,7 @@ fn obj_alone_is_framed_under_a_plain_sky() {
 }
 
 #[test]
-fn polygons_become_fans_around_their_first_corner() {
+fn convex_polygons_become_fans_around_their_first_corner() {
     let scene = load_obj("v 0 0 0\nv 2 0 0\nv 3 1 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4 5\n");
     let [a, b, c, d, e] = [[0., 0.], [2., 0.], [3., 1.], [2., 2.], [0., 2.]].map(|[x, y]| vec3(x, y, 0.0));
     let triangles: Vec<[Vec3; 3]> = scene.triangles.iter().map(|triangle| triangle.vertices).collect();
@@ -125,11 +125,10 @@ fn what_clearly_means_glass_is_glass() {
         ("illum 6\n", 1.5),
         ("illum 6\nNi 0", 1.5),
         ("illum 7\nd 1", 1.5),
-        ("illum 4", 1.5),
+        ("illum 4\nTf 0.5 0.5 0.5\nTf 0 0 0", 1.5),
         ("illum 4\nTr 1\nNi 1.7", 1.7),
         ("illum 9\nd 0.9", 1.5),
         ("d 0.1\nNi 1.45\nillum 2", 1.45),
-        ("d -halo 0.1\nNi 1.45", 1.45),
         ("Tr 0.8\nNi 1.2", 1.2),
     ] {
         let (kind, color, warnings) = with_material(&format!("Kd 0.2 0.3 0.4\n{statements}\n"));
@@ -189,9 +188,18 @@ fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
         ("Ni 1\nd 0.1\n", ":3: a partly transparent material that is not glass is shown opaque."),
         ("illum 3\nTr 0.25\n", ":3: a partly transparent material that is not glass is shown opaque."),
         ("Kd 1 1 1\nillum 5\n", ":3: `illum 5` is shown diffuse: a mirror is `illum 3`, glass `illum 7`."),
-        ("illum 4\nd 1\n", ":2: `illum 4` is shown diffuse: a mirror is `illum 3`, glass `illum 7`."),
+        ("illum 4\nKs 1 1 1\n", ":2: `illum 4` is shown diffuse: a mirror is `illum 3`, glass `illum 7`."),
         ("illum 7\nNi 1.0\n", ":3: glass with `Ni 1` does not refract and is invisible."),
-        ("illum 7\nmap_Kd p.png\n", ":2: glass is shown without its `map_Kd`."),
+        ("illum 7\nmap_Kd p.png\n", ":3: glass is shown without its `map_Kd`."),
+        ("Kd spectral\n", ":2: `Kd` is left out: `spectral` is not a number."),
+        ("Kd 1 1\n", ":2: `Kd` is left out: a colour needs 3 numbers."),
+        ("Ns 5\nTf 0.5 1 1\n", ":3: `Tf` is not read of materials that are not glass."),
+        ("illum 10\n", ":2: `illum 10` is not read."),
+        ("d -halo 1\n", ":2: the option `-halo` of `d` is not read."),
+        ("map_Kd\n", ":2: `map_Kd` is left out: there is no file name."),
+        ("map_Ka p.png\n", ":2: `map_Ka` is not read."),
+        ("sharpness 60\n", ":2: `sharpness` is not read."),
+        ("newmtl a\n", ":2: a second material of one name replaces the first."),
         ("map_d leaf.png\n", ":2: `map_d` is not read."),
         ("map_Ks s.png\n", ":2: `map_Ks` is not read."),
         ("map_Kd -o 0.5 -s 1 1 1 p.png\n", ":2: the option `-o` of `map_Kd` is not read."),
@@ -202,6 +210,11 @@ fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
         assert_eq!(warnings.first().map(String::as_str), Some(warning), "{statements}");
         assert_eq!(matches!(kind, MaterialKind::Glass { .. }), warning.contains(": glass "));
     }
+    // Maya's, of an opaque material.
+    let maya = "illum 4\nKd 0.7 0.1 0.1\nKa 0 0 0\nTf 1.00 1.00 1.00\nNi 1.50\n";
+    assert_eq!(with_material(maya), (MaterialKind::Diffuse, vec3(0.7, 0.1, 0.1), vec![]));
+    let plastic = MaterialKind::Plastic { roughness: 0.5, ior: 1.5 };
+    assert_eq!(with_material(&format!("{maya}Ks 0.5 0.5 0.5\nNs 30\n")).0, plastic);
     let silent = "# note\nKa 1 1 1\nKs 1 1 1\nNs 20\nNi 1.45\nd 1\nTr 0\nTf 1 1 1\nillum 2\n\n";
     assert_eq!(with_material(silent).2, [""; 0]);
     assert_eq!(with_material("Tr 1\n").2, [""; 0], "what some programs write of opaque things");
@@ -263,21 +276,20 @@ fn partial_normals_and_coordinates_count_as_none() {
 }
 
 #[test]
-fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
+fn faults_that_leave_nothing_name_file_line_and_remedy() {
     let cases = [
         ("v 0 0\n", "needs 3 numbers", "line 1", "write 3 numbers"),
         ("v 0 0 0\nv 1 x 0\n", "`x` is not a number", "line 2", "write a number"),
         ("v 0 0 0\n\n# note\nv nan 0 0\n", "`nan`", "line 4", "-1e18 to 1e18"),
         ("v 0 inf 0\n", "`inf`", "line 1", "-1e18 to 1e18"),
         ("v 0 1e19 0\n", "`1e19`", "line 1", "-1e18 to 1e18"),
-        ("v 0 0 0\nvn 0 nan 0\n", "`nan`", "line 2", "-1e18 to 1e18"),
+        ("v 0 0 0\nvn 0 nan 0 # north\nf 1 2\n", "`nan`", "line 2", "-1e18 to 1e18"),
         ("v 0 0 0\nvt\n", "needs 1 numbers", "line 2", "write 1 numbers"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "vertex 4, but the file has 3", "line 4", "from 1 to 3"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "vertex 4, but the file has 3", "line 4", "count from 1"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "index 0", "line 4", "count from 1"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", "index -4", "line 4", "back from -1"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", "texture coordinate 1", "line 4", "leave its index"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//9999999999 2 3\n", "9999999999", "line 4", "count from 1"),
-        ("v 0 0 0\nv 1 0 0\nf 1 2\n", "at least three corners", "line 3", "three vertices"),
+        ("v 0 0 0\nv 1 0 0\nf 1 2\n", "at least three corners", "line 3", "three corners"),
         ("v 0 0 0\nf 1 2 a\n", "`a`", "line 2", "v/vt/vn"),
         ("v 0 0 0\nf /1 2 3\n", "`/1`", "line 2", "v/vt/vn"),
         ("v 0 0 0\n", "no faces", "", "with faces"),
@@ -293,10 +305,133 @@ fn faults_in_obj_and_mtl_name_file_line_and_remedy() {
         assert!(error.mend.as_ref().unwrap().contains(mend), "{text:?}: {error}");
         assert_eq!(error.file.as_deref(), Some(Path::new(&path)));
     }
+}
+
+/// What is left out of the model, with the place, and the area of the rest.
+fn rest_of(text: impl AsRef<[u8]>) -> (Vec<String>, f32) {
     let folder = Folder::new();
-    let error = load_with_mtl(&folder, "newmtl a\nKd 1 1\n").unwrap_err();
-    assert_eq!((error.file, error.at.as_deref()), (Some(folder.path("m.mtl")), Some("line 2")));
-    assert!(error.what.contains("needs 3 numbers"), "{}", error.what);
+    let scene = folder.load("m.obj", text).unwrap_or_else(|error| panic!("{error}"));
+    let cut = |warning: &String| warning.replace(&folder.name("m.obj"), "");
+    (scene.warnings.iter().map(cut).collect(), area(&scene))
+}
+
+/// Of all triangles; where they lie in one plane, their fronts on one side.
+pub fn area(scene: &Scene) -> f32 {
+    let areas = scene.triangles.iter().map(|Triangle { vertices: [a, b, c], .. }| (b - a).cross(c - a) / 2.0);
+    let (sum, total) =
+        areas.fold((Vec3::ZERO, 0.0), |(sum, total), area| (sum + area, total + area.length()));
+    assert!((sum.length() - total).abs() < 1e-4, "{sum}, {total}");
+    total
+}
+
+#[test]
+fn what_is_left_out_of_a_model_is_a_warning_with_its_line() {
+    for (text, warning) in [
+        ("vn -nan(ind) 0 0\nf 1//1 2//1 3//1", ":4: `vn` is left out: `-nan(ind)` is not a number."),
+        ("f 1 2\nf 1 3", ":4: a face is left out: a face needs at least three corners (1 more like it)."),
+        ("f 1 2 x", ":4: `f` is left out: `x` is not the corner of a face."),
+        ("f 1 2 9", ":4: a face is left out: the face uses vertex 9, but the file has 3."),
+        ("f 1 2 -9", ":4: `f` is left out: the face uses index -9, but 3 such entries are defined above it."),
+        (
+            "f 1/7 2 3",
+            ":4: texture coordinate is left out: the face uses texture coordinate 7, but the file has 0.",
+        ),
+        ("vt 0 0 0.5", ":4: the third coordinate of `vt` is not read."),
+        ("v 0 0 0 0.5", ":4: the weight or opacity of `v` is not read."),
+        ("v 0 0 0 1 0 x", ":4: the colour of `v` is left out: `x` is not a number."),
+        ("s 1", ":4: `s` is not read: faces without normals (`vn`) are flat."),
+        ("p 1\np 2", ":4: `p` is not read (1 more like it)."),
+        ("curv 0 1 1 2", ":4: `curv` is not read."),
+        ("usemtl gone # sic", ":4: the material `gone # sic` is not defined; a default is used."),
+        ("mtllib gone.mtl", ":4: cannot read the materials `gone.mtl`: no such file."),
+    ] {
+        let (warnings, area) = rest_of(format!("v 0 0 0\nv 2 0 0\nv 0 2 0\n{text}\nf 1 2 3\n"));
+        assert_eq!(warnings, [warning], "{text}");
+        assert!(area >= 2.0, "{text}");
+    }
+    let silent = "o a\ng b c\ns off\nlod 0\nbevel off\nv nan 0 0\nvt 0 0 0\nv 0 0 0 1.0\n";
+    let (warnings, area) = rest_of(format!("{silent}v 2 0 0\nv 0 2 0\nf 2 3 4\nf 1 2 3\n"));
+    let point = ":6: `v` is left out: `nan` is not a number that a scene can hold.";
+    let face = ":12: a face is left out: the face uses vertex 1, which is no point.";
+    assert_eq!((warnings, area), (vec![point.to_string(), face.to_string()], 2.0));
+}
+
+#[test]
+fn polygons_of_any_form_keep_their_area() {
+    for (points, area) in [
+        ("0 0, 3 0, 3 3, 2 3, 2 1, 1 1, 1 3, 0 3", 7.0),
+        ("0 3, 1 3, 1 1, 2 1, 2 3, 3 3, 3 0, 0 0", 7.0),
+        ("0 0, 2 0, 4 0, 4 4, 2 4, 2 4, 2 2, 0 2, 0 0", 12.0),
+        ("0 0, 4 0, 4 1, 4 2, 4 4, 0 4, 0 2", 16.0),
+        // A square hole, joined to the outline by an edge that is walked twice.
+        ("0 0, 3 0, 3 3, 0 3, 0 0, 1 1, 1 2, 2 2, 2 1, 1 1", 8.0),
+    ] {
+        // Flat, on an inclined plane that is √2 as large, and far away.
+        for (form, scale) in [("v {} 0\n", 1.0), ("v {0} {1} {0}\n", 2_f32.sqrt()), ("v 500000 {}\n", 1.0)] {
+            let point = |point: &str| {
+                let (x, y) = point.trim().split_once(' ').unwrap();
+                form.replace("{}", point.trim()).replace("{0}", x).replace("{1}", y)
+            };
+            let mut text: String = points.split(',').map(point).collect();
+            text += &(1..=points.split(',').count()).fold("f".to_string(), |face, i| format!("{face} {i}"));
+            let found = rest_of(&text).1;
+            assert!((found - area * scale).abs() < 1e-4, "{text}: {found}, not {}", area * scale);
+        }
+    }
+}
+
+#[test]
+fn a_comment_begins_at_any_hash_that_is_not_part_of_a_name() {
+    let folder = Folder::new();
+    folder.write("m#1.mtl", "newmtl red # of a kind\nKd 1 0 0 # red\nnewmtl a #2\nKd 0 1 0#green\n");
+    let text = format!("{}# C:\\dir\\\nusemtl red#!\nf 1 2 3 # a\nusemtl a #2\nf 1 2 3#b\n", &ONE[..24]);
+    for library in ["m#1.mtl", "m#1.mtl # note", "gone.mtl m#1.mtl # note"] {
+        let scene = folder.load("m.obj", format!("mtllib {library}\n{text}")).unwrap();
+        let colors = scene.triangles.iter().map(|triangle| scene.materials[triangle.material as usize].color);
+        assert_eq!(colors.collect::<Vec<_>>(), [Vec3::X, Vec3::Y], "{library}: {:?}", scene.warnings);
+    }
+}
+
+#[test]
+fn files_named_on_another_machine_are_found() {
+    let folder = Folder::new();
+    folder.save_picture("Wood.png");
+    folder.save_picture("maps/tile#1.png");
+    folder.write("mtl/m.mtl", "");
+    for (name, found) in [
+        ("maps/tile#1.png", "maps/tile#1.png"),
+        ("maps\\tile#1.png # old", "maps/tile#1.png"),
+        ("MAPS/Tile#1.PNG", "maps/tile#1.png"),
+        ("C:\\x y\\WOOD.PNG", "Wood.png"),
+        ("/home/x/wood.png", "Wood.png"),
+    ] {
+        folder.write("m.mtl", format!("newmtl a\nKd 0 0 0\nmap_Kd {name}\n"));
+        let scene = folder.load("m.obj", format!("mtllib .\\M.mtl\nusemtl a\n{ONE}")).unwrap();
+        assert_eq!(scene.textures.first().map(|texture| texture.name.as_str()), Some(found), "{name}");
+        assert_eq!(
+            (one_material(&scene).color, scene.warnings.len()),
+            (Vec3::ONE, 0),
+            "black beside a texture"
+        );
+    }
+}
+
+#[test]
+fn colours_of_vertices_are_display_values_that_multiply_the_material() {
+    let folder = Folder::new();
+    folder.write("m.mtl", "newmtl a\nKd 0.5 0.5 0.5\nnewmtl b\nmap_Kd p.png\n");
+    folder.save_picture("p.png");
+    for (white, grey) in [("1", "0.501961"), ("255", "128")] {
+        let text = format!("mtllib m.mtl\nv 0 0 0 {white} 0 0\nv 1 0 0 0 {grey} 0\nv 0 1 0\n");
+        let scene = folder.load("m.obj", format!("{text}usemtl a\nf 1 2 3\n")).unwrap();
+        assert_eq!(one_material(&scene).color, Vec3::splat(0.5));
+        let Texels::Float32(texels) = &scene.textures[1].texels else { panic!("linear") };
+        let near = |at: usize, color: [f32; 3]| Vec3::from_slice(&texels[at]).abs_diff_eq(color.into(), 1e-4);
+        assert!(near(0, [1.0, 0.0, 0.0]) && near(1, [0.0, 0.21586, 0.0]) && near(2, [1.0; 3]), "{texels:?}");
+        let scene = folder.load("m.obj", format!("{text}usemtl b\nf 1 2 3\n")).unwrap();
+        let warning = "m.obj:2: vertex colours are left out, as `b` has textures.";
+        assert!(scene.warnings[0].ends_with(warning), "{:?}", scene.warnings);
+    }
 }
 
 /// The triangles of a scene file with one mesh entry; `one.obj`, `m.mtl` and whatever else stands in the

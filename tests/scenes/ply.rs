@@ -1,6 +1,7 @@
 //! PLY models: the three encodings, and files that lie.
 
 use crate::folder::Folder;
+use crate::obj::area;
 use glam::{Vec2, Vec3, vec3};
 use octray::measure::stability::Rng;
 use octray::render::{Renderer, Settings};
@@ -127,13 +128,13 @@ fn files_that_lie_are_refused() {
     };
     let faces = |body: &str| vertices(3, &format!("element face 1\n{face}"), body);
     let cases = [
-        (faces(&format!("{three}3 0 1 3")), "face 0 uses vertex 3"),
-        (faces("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "m.ply: line 13, byte 179"),
+        (faces(&format!("{three}3 0 1 3")), "face uses vertex 3"),
+        (faces("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "m.ply: face 0"),
         (faces(&format!("{three}3 0 1")), "ends too early"),
-        (faces(&format!("{three}3 0 1 -1")), "-1 is not a vertex"),
+        (faces(&format!("{three}3 0 1 -1")), "no vertex"),
         (vertices(3, "", three), "no faces"),
         (vertices(3, "", "0 0 zero 1 0 0 0 1 0"), "`zero` is not a number"),
-        (vertices(3, "", "0 0 1e30 1 0 0 0 1 0"), "scene can hold"),
+        (vertices(3, "", "0 0 1e30 1 0 0 0 1 0"), "no faces"),
         (vertices(9_999_999_999, "", "000"), "more than the file holds"),
         (
             file(&format!("{little}element vertex 99999999999999999\n{xyz}"), "000"),
@@ -145,7 +146,9 @@ fn files_that_lie_are_refused() {
         (file(&format!("{ascii}property float x\n"), ""), "property of no element"),
         (file("element vertex 3\n", ""), "no `format`"),
         (vertices(1, &format!("element vertex 1\n{xyz}"), "0 0 0 0 0 0"), "a second list of vertices"),
-        (vertices(1, "property list uchar int a\n", "0 0 0 0"), "vertices with lists are not read"),
+        (faces(&format!("{three}-3 0 1 2")), "-3 is not the length of a list"),
+        (faces(&format!("{three}2 0 1")), "at least three corners"),
+        (faces("0 0 nan 1 0 0 0 1 0 3 0 1 2"), "which is no point"),
         (file("format ascii 1.0\nelement vertex -3\n", ""), "not a count"),
         (read_bytes(b"plx\n"), "not a PLY file"),
         (read_bytes(b"ply\nformat ascii 1.0\n"), "ends too early"),
@@ -239,4 +242,47 @@ fn numbers_of_every_type_and_lists_of_other_names_have_their_place() {
         let dark = srgb_to_linear(1.0 / 255.0) as f32;
         assert!(texels.iter().any(|texel| texel[..3] == [1.0, dark, 1.0]), "{texels:?}");
     }
+}
+
+#[test]
+fn what_is_not_read_is_a_warning_with_its_place_and_the_rest_is_shown() {
+    let ascii = |header: &str, body: &str| {
+        let xyz = "property float x\nproperty float y\nproperty float z\n";
+        let text = format!("ply\nformat ascii 1.0\nelement vertex 4\n{xyz}{header}end_header\n{body}");
+        let scene = read_bytes(text.as_bytes()).unwrap();
+        let warnings =
+            scene.warnings.iter().map(|warning| warning.split_once("m.ply:").unwrap().1.to_string());
+        (warnings.collect::<Vec<_>>(), area(&scene), scene)
+    };
+    let faces = "element face 2\nproperty list uchar int vertex_indices\n";
+    let square = |end: &str| format!("0 0 0 {end} 1 0 0 {end} 1 1 0 {end} 0 1 0 {end} ");
+    // Of what is not read.
+    for number in ["nan", "-nan(ind)", "1.#QNAN", "inf"] {
+        let (warnings, area, _) =
+            ascii(&format!("property float q\n{faces}"), &(square(number) + "3 0 1 2 3 0 2 3"));
+        assert_eq!((warnings, area), (vec!["7: the property `q` of `vertex` is not read.".to_string()], 1.0));
+    }
+    let (warnings, area, _) = ascii(faces, "0 0 nan 1 0 0 1 1 0 0 1 0 3 1 2 3 3 0 2 9");
+    let left_out = " face 1: a face is left out: the face uses vertex 9, but the file has 4.";
+    assert_eq!((warnings, area), (vec![left_out.to_string()], 0.5));
+    let header = "comment TextureFile a b.png\nproperty list uchar int l\nelement edge 1\nproperty int a\n";
+    let (warnings, area, _) = ascii(&format!("{header}{faces}"), &(square("2 7 7") + "5 4 0 1 2 3 2 0 1"));
+    let texture = "7: `TextureFile` is not read: name the texture in a scene file.";
+    let list = "8: the property `l` of `vertex` is not read.";
+    let edge = "9: the element `edge` is not read.";
+    let face = " face 1: a face is left out: a face needs at least three corners.";
+    assert_eq!((warnings, area), ([texture, list, edge, face].map(String::from).to_vec(), 1.0));
+    // Colours of faces, a concave polygon.
+    let (warnings, area, scene) = ascii(
+        "element face 1\nproperty list uchar int vertex_index\nproperty uchar red\nproperty uchar green\n\
+         property uchar blue\nproperty uchar alpha\n",
+        "0 0 0 4 0 0 1 1 0 0 4 0 4 1 2 3 0 255 0 255 255",
+    );
+    assert_eq!((warnings, area), (vec!["12: the property `alpha` of `face` is not read.".to_string()], 4.0));
+    let Texels::Float32(texels) = &scene.textures[0].texels else { panic!("linear") };
+    assert!(texels.iter().all(|texel| texel[..3] == [1.0, 0.0, 1.0]), "{texels:?}");
+    // Two strips of one front, the second with a turn.
+    let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
+    let (warnings, area, scene) = ascii(strips, &(square("") + "9 0 1 3 2 -1 0 0 3 1"));
+    assert_eq!((warnings.len(), area, scene.triangles.len()), (0, 1.5, 3), "{warnings:?}");
 }

@@ -10,7 +10,7 @@ use super::notes::Notes;
 use super::texture::Textures;
 use super::vertex_colors::VertexColors;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use octray_engine::scene::{Camera, Material, MaterialKind, Scene, Sky, Triangle};
+use octray_engine::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, TexelKind, Triangle};
 use std::path::Path;
 
 /// Default resolution: the size at which speed is measured.
@@ -123,9 +123,28 @@ impl SceneBuilder {
             false => self.more_warnings += 1,
         }
     }
+    /// The index of the texture that a file of a model names on this line; else a warning. See
+    /// [`Files::find`].
+    pub fn find_texture(
+        &mut self,
+        (name, line): &(String, usize),
+        named_in: &Path,
+        model: &Path,
+        texel_kind: TexelKind,
+    ) -> Option<u32> {
+        let folder = model.parent().unwrap_or(Path::new(""));
+        let found = self.files().clone().find(name, [named_in, model], |path| {
+            let shown = path.strip_prefix(folder).unwrap_or(path).to_string_lossy();
+            self.textures.load(path, &shown, Filter::Bilinear, texel_kind)
+        });
+        let place = named_in.display();
+        found
+            .map_err(|why| self.warn(format!("{place}:{line}: the texture `{name}` is left out: {why}.")))
+            .ok()
+    }
     /// Warns of the notes about a file, whose name `separator` parts from their places.
     pub fn warn_of_notes(&mut self, path: &Path, separator: &str) {
-        for warning in std::mem::take(&mut self.notes).into_warnings(path, separator) {
+        for warning in std::mem::take(&mut self.notes).warnings(path, separator) {
             self.warn(warning);
         }
     }

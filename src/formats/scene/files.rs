@@ -4,8 +4,10 @@
 
 use super::embedded;
 use super::error::SceneError;
+use super::statements::without_comment;
 use std::cell::RefCell;
 use std::collections::HashSet;
+use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -18,6 +20,8 @@ pub const FILES: &str = "a scene (.json), a model (.obj, .gltf, .glb, .ply), or 
 pub fn has_extension(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
+
+const NO_FILE: &str = "no such file";
 
 /// Largest file that is read, in bytes.
 const MAX_FILE: u64 = 1 << 34;
@@ -32,6 +36,8 @@ pub struct Files {
     /// Where relative paths start; `None` inside the program.
     folder: Option<PathBuf>,
     reading: Rc<Reading>,
+    /// The names in a folder.
+    listing: fn(&Path) -> Vec<OsString>,
     requested: Rc<RefCell<Requested>>,
 }
 
@@ -47,14 +53,14 @@ struct Requested {
 impl Default for Files {
     fn default() -> Self {
         let reading = |path: &Path| Ok(embedded::file(path).ok_or(ErrorKind::NotFound)?.to_vec());
-        Self { folder: None, reading: Rc::new(reading), requested: Rc::default() }
+        Self { folder: None, reading: Rc::new(reading), listing: |_| Vec::new(), requested: Rc::default() }
     }
 }
 
 impl Files {
     /// The files beside `file` on disk.
     pub fn beside(file: &Path) -> Self {
-        Self::given(file, Rc::new(read_from_disk))
+        Self { listing: list_on_disk, ..Self::given(file, Rc::new(read_from_disk)) }
     }
     /// The files beside `file`, from a function.
     pub fn given(file: &Path, reading: Rc<Reading>) -> Self {
@@ -83,9 +89,46 @@ impl Files {
             requested.list.push(path.to_path_buf());
         }
         (self.reading)(path).map_err(|error| match error.kind() {
-            ErrorKind::NotFound => "no such file".to_string(),
+            ErrorKind::NotFound => NO_FILE.to_string(),
             ErrorKind::PermissionDenied => "no permission to read it".to_string(),
             _ => error.to_string(),
+        })
+    }
+    /// What `attempt` makes of the file that a model names, or why it cannot. The model may come from another
+    /// machine: `\` separates folders too, letters of either case are the same, and a path that leads nowhere
+    /// is tried by its last name, in the folders of the two files `beside`.
+    pub fn find<T>(
+        &self,
+        name: &str,
+        beside: [&Path; 2],
+        mut attempt: impl FnMut(&Path) -> Result<T, String>,
+    ) -> Result<T, String> {
+        let [first, second] = beside.map(|file| file.parent().unwrap_or(Path::new("")));
+        let mut reason = NO_FILE.to_string();
+        for name in without_comment(name) {
+            let path = name.replace('\\', "/");
+            let last = path.rsplit('/').next().unwrap_or_default();
+            for (folder, path) in [(first, name), (first, &path), (first, last), (second, last)] {
+                let alike = std::iter::once_with(|| self.alike(folder, path)).flatten();
+                for path in std::iter::once(folder.join(path)).chain(alike) {
+                    match attempt(&path) {
+                        Ok(found) => return Ok(found),
+                        Err(why) if why != NO_FILE => reason = why,
+                        Err(_) => {}
+                    }
+                }
+            }
+        }
+        Err(reason)
+    }
+    /// A path in `folder` that differs in the case of letters alone.
+    fn alike(&self, folder: &Path, path: &str) -> Option<PathBuf> {
+        let mut parts = path.split('/').filter(|part| !["", "."].contains(part));
+        parts.try_fold(folder.to_path_buf(), |folder, part| {
+            let lower = part.to_lowercase();
+            let is_alike = |name: &OsString| name.to_string_lossy().to_lowercase() == lower;
+            let found = (self.listing)(&folder).into_iter().filter(is_alike).min();
+            found.or_else(|| (part == "..").then(|| part.into())).map(|name| folder.join(name))
         })
     }
     /// The content of a file that the user named on the command line.
@@ -100,6 +143,12 @@ impl Files {
     pub fn into_requested(self) -> Vec<PathBuf> {
         std::mem::take(&mut self.requested.borrow_mut().list)
     }
+}
+
+fn list_on_disk(folder: &Path) -> Vec<OsString> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.file_name()).collect()
 }
 
 /// Anything but a regular file is refused: a pipe or a device may never end. Reads as much as the file has at

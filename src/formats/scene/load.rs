@@ -15,26 +15,28 @@ use octray_engine::scene::Scene;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
+use std::ffi::OsStr;
 use std::io;
 use std::path::Path;
 use std::rc::Rc;
 use std::time::SystemTime;
 
 /// Loads a scene as [`load_with_view`] does, without its view.
-pub fn load(spec: &str) -> Result<Scene, SceneError> {
+pub fn load(spec: &(impl AsRef<OsStr> + ?Sized)) -> Result<Scene, SceneError> {
     load_with_view(spec).map(|loaded| loaded.scene)
 }
 
 /// Loads a scene: `builtin:NAME`, a generated mesh (`builtin:knot:N`), the path of a model (.obj, .gltf, .glb
 /// or .ply; framed automatically under a plain sky), or the path of a .json file in the native format or the
 /// thesis's, or of a view of any of these.
-pub fn load_with_view(spec: &str) -> Result<Loaded, SceneError> {
-    if let Some(name) = spec.strip_prefix(PREFIX) {
+pub fn load_with_view(spec: &(impl AsRef<OsStr> + ?Sized)) -> Result<Loaded, SceneError> {
+    let path = Path::new(spec.as_ref());
+    let name = path.to_string_lossy();
+    if let Some(name) = name.strip_prefix(PREFIX) {
         return built_in(name).map(Loaded::from);
     }
-    let path = Path::new(spec);
     if !may_be_scene(path) {
-        let mend = match builtin_like(spec) {
+        let mend = match builtin_like(&name) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("give {FILES}"),
         };

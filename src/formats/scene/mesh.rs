@@ -5,16 +5,20 @@
 use super::builder::{Attributes, SceneBuilder};
 use super::check::fits;
 use super::error::SceneError;
+use super::notes::Notes;
+use earcut::Earcut;
 use glam::{DMat3, DVec3, Vec2, Vec3};
 use octray_engine::math::portable;
+use octray_engine::scene::{Material, MaterialKind};
 use std::path::Path;
 
 /// The index of something missing.
 pub const NONE: u32 = u32::MAX;
 
-/// The content of a model's file, indices checked.
+/// The content of a model's file, checked by [`Mesh::check`].
 #[derive(Default)]
 pub struct Mesh {
+    /// NaN where the file has no point.
     pub positions: Vec<DVec3>,
     /// Of unit length, or zero where the file has no direction.
     pub normals: Vec<Vec3>,
@@ -22,9 +26,13 @@ pub struct Mesh {
     pub uvs: Vec<Vec2>,
     /// Of the positions, linear, in [0, 1]; empty if the file has none.
     pub colors: Vec<Vec3>,
+    /// Where the file begins to have colours.
+    pub colors_line: usize,
     /// The corners of all faces, one face after the other.
     pub corners: Vec<Corner>,
     pub faces: Vec<Face>,
+    /// What is left out of the file.
+    pub notes: Notes,
 }
 
 /// Indices from 0. What its mesh does not hold is missing.
@@ -40,11 +48,70 @@ pub struct Face {
     pub end: usize,
     /// Index into the model's own materials.
     pub material: u32,
+    /// As of vertices; NaN where the face has none.
+    pub color: Vec3,
 }
 
 impl Mesh {
+    /// Leaves out the faces that cannot be shown, with a note; refuses a mesh without any other. `place` is
+    /// that of a face by its number, `base` the index of the first vertex.
+    pub fn check(
+        &mut self,
+        path: &Path,
+        base: usize,
+        place: impl Fn(usize) -> String,
+    ) -> Result<(), SceneError> {
+        let Self { positions, normals, uvs, corners, faces, notes, .. } = self;
+        let [vertices, uvs, normals] = [positions.len(), uvs.len(), normals.len()];
+        let mend = format!(
+            "indices count from {base}, and there are {vertices} vertices, {uvs} texture coordinates and {normals} \
+             normals; a face needs three corners or more"
+        );
+        let (mut number, mut start, mut kept) = (0, 0, 0);
+        faces.retain_mut(|face| {
+            let of_face = std::mem::replace(&mut start, face.end)..face.end;
+            let length = of_face.len();
+            number += 1;
+            let mut fault = |left_out: &str, what: String| {
+                let fault = SceneError::new(what).in_file(path).at(place(number - 1)).mend(mend.as_str());
+                notes.add_fault(left_out, fault);
+            };
+            let mut why = (length < 3).then(|| "a face needs at least three corners".to_string());
+            for &Corner { position, uv, normal } in &corners[of_face.clone()] {
+                let index = position as usize + base;
+                match positions.get(position as usize) {
+                    Some(point) if point.to_array().into_iter().all(fits) => {}
+                    Some(_) => why = Some(format!("the face uses vertex {index}, which is no point")),
+                    None if position == NONE => why = Some("one of its corners is no vertex".to_string()),
+                    None => why = Some(format!("the face uses vertex {index}, but the file has {vertices}")),
+                }
+                for (noun, index, count) in [("texture coordinate", uv, uvs), ("normal", normal, normals)] {
+                    if index != NONE && index as usize >= count {
+                        let index = index as usize + base;
+                        fault(noun, format!("the face uses {noun} {index}, but the file has {count}"));
+                    }
+                }
+            }
+            if let Some(why) = why {
+                fault("a face", why);
+                return false;
+            }
+            corners.copy_within(of_face, kept);
+            kept += length;
+            face.end = kept;
+            true
+        });
+        corners.truncate(kept);
+        if faces.is_empty() {
+            let mend = "export the model with faces: points and lines have no surface";
+            let none = SceneError::new("the mesh has no faces").in_file(path).mend(mend);
+            return Err(std::mem::take(notes).refusal(none));
+        }
+        Ok(())
+    }
+
     /// Adds the mesh's triangles to the builder, with `material` or else with its `own` materials and
-    /// colours. Polygons become fans around their first corner.
+    /// colours.
     pub fn add(
         &self,
         path: &Path,
@@ -53,34 +120,97 @@ impl Mesh {
         own: &[Option<u32>],
         placement: &Placement,
     ) -> Result<(), Unusable> {
-        let triangles = self.fans().map(|(_, corners)| corners.len().saturating_sub(2)).sum();
+        let triangles = self.polygons().map(|(_, corners)| corners.len() - 2).sum();
         builder.check_room(triangles).map_err(|error| error.in_file(path))?;
         let mut tally = Tally::default();
-        for (face, corners) in self.fans() {
-            let number = material.or_else(|| *own.get(face.material as usize)?);
-            let number = number.unwrap_or_else(|| builder.default_material());
-            for i in 1..corners.len().saturating_sub(1) {
-                let fan = [corners[0], corners[i], corners[i + 1]];
-                let points = fan.map(|corner| placement.point(self.positions[corner.position as usize]));
-                let normals = all(&self.normals, fan.map(|corner| corner.normal));
+        let (mut white, mut triangles, mut cutter) = (None, Vec::new(), Earcut::new());
+        for (face, corners) in self.polygons() {
+            let is_colored = !self.colors.is_empty() || !face.color.is_nan();
+            let number = material.or_else(|| *own.get(face.material as usize)?).unwrap_or_else(|| {
+                if !is_colored {
+                    return builder.default_material();
+                }
+                let plain = || Material::new("vertex colours", MaterialKind::Diffuse, Vec3::ONE);
+                *white.get_or_insert_with(|| builder.add_material(plain(), 1.0))
+            });
+            if is_colored && material.is_none() && builder.colored(number).is_none() {
+                let name = &builder.scene.materials[number as usize].name;
+                let what = format!("vertex colours are left out, as `{name}` has textures");
+                builder.notes.add(&self.colors_line, what);
+            }
+            if !triangulate(&self.positions, corners, &mut cutter, &mut triangles) {
+                let what =
+                    format!("of more than {MOST_CORNERS} corners, it is shown as a fan and may be wrong");
+                builder.notes.add(&" a face", what);
+            }
+            for &triangle in &triangles {
+                let corners = triangle.map(|corner| corners[corner]);
+                let points = corners.map(|corner| placement.point(self.positions[corner.position as usize]));
+                let normals = all(&self.normals, corners.map(|corner| corner.normal));
                 let rotated = |normal: Vec3| (placement.rotation * normal.as_dvec3()).as_vec3();
+                let colors = all(&self.colors, corners.map(|corner| corner.position));
                 let attributes = Attributes {
-                    uvs: all(&self.uvs, fan.map(|corner| corner.uv)),
+                    uvs: all(&self.uvs, corners.map(|corner| corner.uv)),
                     normals: normals.map(|normals| normals.map(rotated)),
-                    colors: all(&self.colors, fan.map(|corner| corner.position))
-                        .filter(|_| material.is_none()),
+                    colors: colors.or(is_colored.then_some([face.color; 3])).filter(|_| material.is_none()),
                 };
                 tally.add(points, number, attributes, builder)?;
             }
         }
+        builder.warn_of_notes(path, ":");
+        self.notes.warnings(path, ":").for_each(|warning| builder.warn(warning));
         tally.finish(path, builder)
     }
 
     /// The faces and their corners.
-    fn fans(&self) -> impl Iterator<Item = (&Face, &[Corner])> {
+    fn polygons(&self) -> impl Iterator<Item = (&Face, &[Corner])> {
         let starts = std::iter::once(0).chain(self.faces.iter().map(|face| face.end));
         self.faces.iter().zip(starts).map(|(face, start)| (face, &self.corners[start..face.end]))
     }
+}
+
+/// Part of a polygon's area that a fan may cover twice: what single precision and six digits round.
+const OVERLAP: f64 = 1e-6;
+/// Most corners of a polygon whose ears are cut off: hostile ones take time by the square of their number.
+const MOST_CORNERS: usize = 1 << 14;
+
+/// The triangles of a polygon, as indices of its corners: a fan around its first corner where that covers it,
+/// as it does every convex polygon, else by cutting off ears, seen along its normal. Returns false where the
+/// polygon has too many corners for that.
+fn triangulate(
+    positions: &[DVec3],
+    corners: &[Corner],
+    cutter: &mut Earcut<f64>,
+    triangles: &mut Vec<[usize; 3]>,
+) -> bool {
+    let point = |corner: usize| positions[corners[corner].position as usize];
+    let twice_area = |[a, b, c]: [usize; 3]| (point(b) - point(a)).cross(point(c) - point(a));
+    triangles.clear();
+    triangles.extend((1..corners.len() - 1).map(|corner| [0, corner, corner + 1]));
+    // Newell's: the sum does not depend on the corner.
+    let normal: DVec3 = triangles.iter().map(|&triangle| twice_area(triangle)).sum();
+    let backwards = triangles.iter().map(|&triangle| -twice_area(triangle).dot(normal).min(0.0));
+    if backwards.sum::<f64>() <= OVERLAP * normal.length_squared() {
+        return true;
+    }
+    if corners.len() > MOST_CORNERS {
+        return false;
+    }
+    let axis = normal.abs().max_position();
+    let seen = (0..corners.len()).map(|corner| {
+        let point = point(corner).to_array();
+        [point[(axis + 1) % 3], point[(axis + 2) % 3]]
+    });
+    let mut indices = Vec::new();
+    cutter.earcut(seen, &[], &mut indices);
+    if !indices.is_empty() {
+        triangles.clear();
+    }
+    for &[a, b, c] in indices.as_chunks::<3>().0 {
+        // The front stays the front.
+        triangles.push(if twice_area([a, b, c]).dot(normal) < 0.0 { [a, c, b] } else { [a, b, c] });
+    }
+    true
 }
 
 /// What three corners have; `None` if one has it not.

@@ -10,7 +10,7 @@ use super::mesh::{Mesh, Placement, Unusable};
 use super::obj::Obj;
 use super::ply;
 use glam::Vec3;
-use octray_engine::scene::{Material, MaterialKind, Scene, Sky};
+use octray_engine::scene::{Scene, Sky};
 use std::path::Path;
 
 /// The extensions of the formats that are read.
@@ -48,14 +48,10 @@ impl Model {
         material: Option<u32>,
         placement: &Placement,
     ) -> Result<(), Unusable> {
-        let (mesh, own) = match (self, material) {
-            (Self::Gltf(gltf), _) => return gltf.add(path, builder, material, placement),
-            (Self::Obj(obj), None) => (&obj.mesh, obj.add_materials(path, builder)?),
-            (Self::Ply(mesh), None) if !mesh.colors.is_empty() => {
-                let white = Material::new("vertex colours", MaterialKind::Diffuse, Vec3::ONE);
-                (mesh, vec![Some(builder.add_material(white, 1.0))])
-            }
-            (Self::Obj(Obj { mesh, .. }) | Self::Ply(mesh), _) => (mesh, Vec::new()),
+        let (mesh, own) = match self {
+            Self::Gltf(gltf) => return gltf.add(path, builder, material, placement),
+            Self::Obj(obj) if material.is_none() => (&obj.mesh, obj.add_materials(path, builder)),
+            Self::Obj(Obj { mesh, .. }) | Self::Ply(mesh) => (mesh, Vec::new()),
         };
         mesh.add(path, builder, material, &own, placement)
     }

@@ -2,86 +2,66 @@
 //!
 //! For: [`load`].
 //!
-//! Reads Kd (linear reflectance), map_Kd, Ke (radiance), `norm` (a normal map), and the statements that
-//! decide the type of the material:
-//!
-//! | statements | material |
-//! |---|---|
-//! | `illum 3` | metal with reflectance Ks, or Kd where Ks is missing; a mirror unless `Pr` says otherwise |
-//! | `illum 6`, `illum 7` (refraction) | glass |
-//! | `illum 4`, `illum 9` ("glass on"), unless it is stated to be opaque | glass |
-//! | opacity below a half and `Ni` above 1 | glass |
-//! | `Pm` of a half or more | metal with reflectance Kd |
-//! | `Pr` or `map_Pr` | plastic |
-//! | `illum 2`, or none, with Ks above 0 and `Ns` of 1 or more | plastic |
-//! | everything else | diffuse |
-//!
-//! The first row that fits decides. The roughness of metal and plastic is `Pr` times `map_Pr`. Where both are
-//! missing, plastic gets the roughness of a highlight with exponent `Ns`: alpha = √(2 / (Ns + 2)) (Walter et
-//! al., "Microfacet Models for Refraction through Rough Surfaces", 2007, §5), and metal is a mirror after
-//! `illum 3`, else of roughness ½. Plastic's index of refraction is `Ni` if above 1 and at most 3, else 1.5;
-//! the brightness of its highlight follows from the index and not from Ks.
-//!
-//! Opacity is `d`, or else 1 − `Tr`. A `Tr` of exactly 1 is ignored: some programs write it for opaque
-//! materials. Glass has the index `Ni` (1.5 where missing or 0) and the colour `Tf` (white where missing or
-//! black). It fills its mesh: a pane needs two sides.
-//!
-//! Other highlights (Ks, Ns), ambient light (Ka), and clear coats, sheen and anisotropy of 0 are ignored
-//! without a warning. Every other ignored statement gives one warning for each kind and library, at its first
-//! line.
+//! `scenes/README.md` says which statements make which material. What is not read or cannot be read gives one
+//! warning for each kind and library, at its first line.
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;
 use super::notes::Notes;
-use super::statements::{Statement, statements};
+use super::statements::{Statement, statements, without_comment};
 use glam::{DVec3, Vec3};
-use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, TexelKind};
+use octray_engine::scene::{MIN_LENGTH, Material, MaterialKind, TexelKind};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// Loads the libraries that an OBJ file at `obj` names into the builder; returns each material's index. A
-/// missing library or texture is a warning: the model's shape is visible without it.
-pub fn load(
-    libraries: &[String],
-    obj: &Path,
-    builder: &mut SceneBuilder,
-) -> Result<HashMap<String, u32>, SceneError> {
-    let mut numbers = HashMap::new();
+/// Loads the libraries that an OBJ file at `obj` names, on these lines, into the builder; returns each
+/// material's index. A missing library or texture is a warning: the model's shape is visible without it.
+pub fn load(libraries: &[(String, usize)], obj: &Path, builder: &mut SceneBuilder) -> HashMap<String, u32> {
+    let files = builder.files().clone();
+    let read = |name: &str| {
+        files.find(name, [obj, obj], |path| files.read(path).map(|text| (path.to_path_buf(), text)))
+    };
+    let (mut numbers, mut without_comments) = (HashMap::new(), Vec::new());
     let mut seen = HashSet::new();
     // Each once, however often the model names it.
-    for library in libraries.iter().filter(|library| seen.insert(*library)) {
+    for (library, line) in libraries.iter().filter(|(library, _)| seen.insert(library)) {
         // One statement may name several libraries, or one whose name holds spaces.
-        let names = match builder.files().read(&obj.with_file_name(library)) {
-            Ok(_) => vec![library.as_str()],
-            Err(_) => library.split_whitespace().collect(),
-        };
+        let words: Vec<&str> = library.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
+        let are_several =
+            words.len() > 1 && words.iter().all(|word| word.to_ascii_lowercase().ends_with(".mtl"));
+        let names = if are_several || read(library).is_err() { words } else { vec![library.as_str()] };
         for name in names {
-            let path = obj.with_file_name(name);
-            match builder.files().read(&path) {
-                Ok(text) => {
-                    let entries = parse(&text, &path, &mut builder.notes)?;
-                    builder.warn_of_notes(&path, ":");
-                    for entry in entries {
-                        let number = entry.add(name, &path, builder);
-                        numbers.insert(entry.name, number);
-                    }
-                }
+            let (path, text) = match read(name) {
+                Ok(found) => found,
                 Err(reason) => {
-                    let (obj, path) = (obj.display(), path.display());
-                    builder.warn(format!("{obj}: cannot read the materials at {path}: {reason}."));
+                    let obj = obj.display();
+                    builder.warn(format!("{obj}:{line}: cannot read the materials `{name}`: {reason}."));
+                    continue;
+                }
+            };
+            let entries = parse(&text, &path, &mut builder.notes);
+            builder.warn_of_notes(&path, ":");
+            for entry in entries {
+                let number = entry.add(obj, &path, builder);
+                let cut = without_comment(&entry.name).skip(1);
+                without_comments.extend(cut.map(|name| (name.to_string(), number)));
+                if numbers.insert(entry.name, number).is_some() {
+                    builder.notes.add(&entry.line, "a second material of one name replaces the first");
                 }
             }
+            builder.warn_of_notes(&path, ":");
         }
     }
-    Ok(numbers)
+    for (name, number) in without_comments {
+        numbers.entry(name).or_insert(number);
+    }
+    numbers
 }
 
 /// What is read of a statement.
 enum Reads {
     /// A colour: one number for a grey, or three.
     Color,
-    /// A filter colour, where it is three numbers.
-    Filter,
     Number,
     /// An image file.
     Map,
@@ -91,13 +71,12 @@ enum Reads {
 }
 
 /// The statements that are known; all others give a warning.
-const STATEMENTS: [(Reads, &[&str]); 6] = [
-    (Reads::Color, &["Kd", "Ks", "Ke"]),
-    (Reads::Filter, &["Tf"]),
+const STATEMENTS: [(Reads, &[&str]); 5] = [
+    (Reads::Color, &["Kd", "Ks", "Ke", "Tf"]),
     (Reads::Number, &["illum", "d", "Tr", "Ni", "Ns", "Pm", "Pr"]),
-    (Reads::Map, &["map_Kd", "map_Pr", "norm", "map_Kn"]),
+    (Reads::Map, &["map_Kd", "map_Pr", "norm", "map_Kn", "map_Ka"]),
     (Reads::Layer, &["Pc", "Pcr", "Ps", "aniso", "anisor"]),
-    (Reads::Nothing, &["Ka", "sharpness", "map_Ka"]),
+    (Reads::Nothing, &["Ka"]),
 ];
 
 /// Default index of refraction: window glass.
@@ -105,67 +84,68 @@ const IOR: f64 = 1.5;
 /// A refractive material with an opacity below this is glass, and not a leaf or a curtain.
 const CLEAR: f64 = 0.5;
 
-/// A material: what its statements say, by their keywords.
+/// A material: what its statements say, by their keywords, with the line of each.
 #[derive(Default)]
 struct Entry {
     name: String,
-    colors: HashMap<&'static str, DVec3>,
-    /// With the line of each.
+    line: usize,
+    colors: HashMap<&'static str, (DVec3, usize)>,
     numbers: HashMap<&'static str, (f64, usize)>,
-    maps: HashMap<&'static str, String>,
+    maps: HashMap<&'static str, (String, usize)>,
 }
 
-fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Result<Vec<Entry>, SceneError> {
+fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for statement in statements(text, path) {
-        let keyword = statement.keyword();
+        let (keyword, line) = (statement.keyword(), statement.line);
         if keyword == b"newmtl" {
-            entries.push(Entry { name: statement.name(), ..Entry::default() });
+            entries.push(Entry { name: statement.name(), line, ..Entry::default() });
             continue;
         }
-        // Statements before the first `newmtl` are ignored.
-        let Some(entry) = entries.last_mut() else { continue };
+        let Some(entry) = entries.last_mut() else {
+            notes.add(&line, "statements before the first `newmtl` are not read");
+            continue;
+        };
         let known = STATEMENTS.iter().find_map(|(reads, keywords)| {
             Some((*keywords.iter().find(|known| known.as_bytes() == keyword)?, reads))
         });
-        match known {
+        let result = match known {
             Some((keyword, Reads::Color)) => {
-                entry.colors.insert(keyword, color(&statement)?);
-            }
-            Some((keyword, Reads::Filter)) => {
-                entry.colors.extend(statement.numbers("a colour").map(|color| (keyword, DVec3::from(color))));
+                color(&statement).map(|color| entry.colors.extend([(keyword, (color, line))]))
             }
             Some((keyword, Reads::Number)) => {
-                entry.numbers.insert(keyword, (number(&statement)?, statement.line));
+                number(&statement, notes).map(|x| entry.numbers.extend([(keyword, (x, line))]))
             }
             Some((keyword, Reads::Map)) => {
-                entry.maps.extend(image_file(&statement, notes).map(|file| (keyword, file)));
+                image_file(&statement, notes).map(|file| entry.maps.extend([(keyword, (file, line))]))
             }
-            Some((_, Reads::Layer)) if number(&statement).is_ok_and(|x| x == 0.0) => {}
-            Some((_, Reads::Nothing)) => {}
-            None if keyword.starts_with(b"#") => {}
+            Some((_, Reads::Layer)) if number(&statement, notes).is_ok_and(|x| x == 0.0) => Ok(()),
+            Some((_, Reads::Nothing)) => Ok(()),
             _ => {
-                let keyword = String::from_utf8_lossy(keyword);
-                notes.add(&statement.line, format!("`{keyword}` is not read"));
+                notes.add(&line, format!("{} is not read", statement.shown()));
+                Ok(())
             }
-        }
+        };
+        result.unwrap_or_else(|fault| notes.add_fault(&statement.shown(), fault));
     }
     entries.iter().for_each(|entry| entry.note_ignored(notes));
-    Ok(entries)
+    entries
 }
 
-fn number(statement: &Statement) -> Result<f64, SceneError> {
-    // `d -halo` varies the opacity with the angle; the base opacity follows.
-    match statement.words().find(|word| word != b"-halo") {
-        Some(word) => statement.number(word),
-        None => Err(statement.fault("this statement needs 1 numbers", "write 1 numbers on this line")),
+fn number(statement: &Statement, notes: &mut Notes) -> Result<f64, SceneError> {
+    let mut words = statement.words().peekable();
+    // The base opacity follows.
+    if words.next_if(|word| word == b"-halo").is_some() {
+        notes.add(&statement.line, "the option `-halo` of `d` is not read");
     }
+    statement.numbers(&mut words, "this statement").map(|[number]| number)
 }
 
 fn color(statement: &Statement) -> Result<DVec3, SceneError> {
+    let mut words = statement.words();
     let color = match statement.words().count() {
-        1 => DVec3::splat(statement.numbers::<1>("a colour")?[0]),
-        _ => DVec3::from(statement.numbers("a colour")?),
+        1 => DVec3::splat(statement.numbers::<1>(&mut words, "a colour")?[0]),
+        _ => DVec3::from(statement.numbers(&mut words, "a colour")?),
     };
     if color.min_element() < 0.0 {
         return Err(statement.fault("a colour is negative", "write numbers of 0 or more"));
@@ -173,72 +153,70 @@ fn color(statement: &Statement) -> Result<DVec3, SceneError> {
     Ok(color)
 }
 
-/// Options of `map_` statements, the most values that each takes, and the values that ask for nothing.
-const MAP_OPTIONS: [(&str, usize, &[&str]); 14] = [
-    ("-blendu", 1, &["on"]),
-    ("-blendv", 1, &["on"]),
-    ("-bm", 1, &["1"]),
-    ("-boost", 1, &["0"]),
-    ("-cc", 1, &["off"]),
-    ("-clamp", 1, &["off"]),
-    ("-imfchan", 1, &["rgb"]),
-    ("-mm", 2, &["0", "1"]),
-    ("-o", 3, &["0", "0", "0"]),
-    ("-s", 3, &["1", "1", "1"]),
-    ("-t", 3, &["0", "0", "0"]),
-    ("-texres", 1, &[]),
-    ("-type", 1, &[]),
-    ("-colorspace", 1, &[]),
-];
+/// Options of `map_` statements, and after each as many values as it takes, which ask for nothing.
+const MAP_OPTIONS: &str = "-blendu on -blendv on -bm 1 -boost 0 -cc off -clamp off -imfchan rgb -mm 0 1 -o 0 0 0 \
+                           -s 1 1 1 -t 0 0 0 -texres _ -type _ -colorspace _";
 
 /// The file name of a `map_` statement, after options such as `-s 1 1 1` and `-clamp on`, which are noted
 /// unless they ask for nothing. The name may hold spaces.
-fn image_file(statement: &Statement, notes: &mut Notes) -> Option<String> {
+fn image_file(statement: &Statement, notes: &mut Notes) -> Result<String, SceneError> {
+    let nothing = || statement.fault("there is no file name", "write the path of an image");
     let rest = statement.name();
     let mut rest = rest.as_str();
     while rest.starts_with('-') {
-        let (option, after) = rest.split_once(char::is_whitespace)?;
-        let Some(&(_, most, idle)) = MAP_OPTIONS.iter().find(|(known, ..)| *known == option) else { break };
+        let (option, after) = rest.split_once(char::is_whitespace).ok_or_else(nothing)?;
+        let after_option = MAP_OPTIONS.split(' ').skip_while(|word| *word != option).skip(1);
+        let idle: Vec<&str> = after_option.take_while(|word| !word.starts_with('-')).collect();
+        if idle.is_empty() {
+            break;
+        }
         rest = after.trim_start();
         let mut asks = false;
-        for value in 0..most {
-            let (word, after) = rest.split_once(char::is_whitespace)?;
+        for (value, idle) in idle.into_iter().enumerate() {
+            let (word, after) = rest.split_once(char::is_whitespace).ok_or_else(nothing)?;
             // Only the first value is required; further ones are numbers.
             let number = word.parse::<f64>();
             if value > 0 && number.is_err() {
                 break;
             }
-            let same = |idle: &&str| match idle.parse::<f64>() {
-                Ok(idle) => number == Ok(idle),
-                Err(_) => word == *idle,
-            };
-            asks |= !idle.get(value).is_some_and(same);
+            asks |= word != idle && !idle.parse().is_ok_and(|idle: f64| number == Ok(idle));
             rest = after.trim_start();
         }
         if asks {
-            let keyword = String::from_utf8_lossy(statement.keyword());
-            notes.add(&statement.line, format!("the option `{option}` of `{keyword}` is not read"));
+            let keyword = statement.shown();
+            notes.add(&statement.line, format!("the option `{option}` of {keyword} is not read"));
         }
     }
-    Some(rest.to_string()).filter(|rest| !rest.is_empty())
+    if rest.is_empty() { Err(nothing()) } else { Ok(rest.to_string()) }
 }
 
 impl Entry {
     fn number(&self, keyword: &str) -> Option<f64> {
         self.numbers.get(keyword).map(|&(number, _)| number)
     }
+    fn color(&self, keyword: &str) -> Option<DVec3> {
+        self.colors.get(keyword).map(|&(color, _)| color)
+    }
     /// 1 is opaque, with the line that says so; `None` where neither `d` nor `Tr` does.
     fn opacity(&self) -> Option<(f64, usize)> {
         let transparency = self.numbers.get("Tr").filter(|&&(x, _)| x != 1.0);
         self.numbers.get("d").copied().or(transparency.map(|&(x, line)| (1.0 - x, line)))
     }
-    /// By the table at the head of this file.
+    /// Whether it is stated to let light through, after `illum 4` or `illum 9`.
+    fn is_clear(&self) -> bool {
+        match (self.number("d"), self.number("Tr")) {
+            (Some(opacity), _) => opacity < 1.0,
+            (None, Some(transparency)) => transparency > 0.0,
+            (None, None) => self.color("Tf").is_some_and(|filter| filter != DVec3::ONE),
+        }
+    }
+    /// By the table of `scenes/README.md`.
     fn kind(&self) -> MaterialKind {
         let opacity = self.opacity().map(|(opacity, _)| opacity);
         let ior = self.number("Ni");
         let refracts = ior.is_some_and(|ior| ior > 1.0);
         let exponent = self.number("Ns").unwrap_or(0.0);
-        let is_shiny = self.colors.get("Ks").is_some_and(|&color| color != DVec3::ZERO) && exponent >= 1.0;
+        let is_shiny = self.color("Ks").is_some_and(|color| color != DVec3::ZERO) && exponent >= 1.0;
         let roughness = self.number("Pr").map(|x| x.clamp(0.0, 1.0));
         let roughness = roughness.or(self.maps.get("map_Pr").map(|_| 1.0));
         let metal = |unstated| MaterialKind::Metal { roughness: roughness.unwrap_or(unstated) as f32 };
@@ -247,7 +225,8 @@ impl Entry {
             MaterialKind::Glass { ior: ior as f32 }
         };
         let plastic = || {
-            // alpha is roughness squared.
+            // alpha is roughness squared; of a highlight with an exponent, √(2 / (exponent + 2)): Walter et
+            // al., "Microfacet Models for Refraction through Rough Surfaces", 2007, §5.
             let roughness = roughness.unwrap_or((2.0 / (exponent + 2.0)).sqrt().sqrt());
             let ior = ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR);
             MaterialKind::Plastic { roughness: roughness as f32, ior: ior as f32 }
@@ -255,11 +234,11 @@ impl Entry {
         match self.number("illum").map(|model| model as u32) {
             Some(3) => metal(0.0),
             Some(6 | 7) => glass(),
-            Some(4 | 9) if opacity.is_none_or(|opacity| opacity < 1.0) => glass(),
+            Some(4 | 9) if self.is_clear() => glass(),
             _ if refracts && opacity.is_some_and(|opacity| opacity < CLEAR) => glass(),
             _ if self.number("Pm").is_some_and(|metallic| metallic >= 0.5) => metal(0.5),
             _ if roughness.is_some() => plastic(),
-            Some(2) | None if is_shiny => plastic(),
+            Some(2 | 4 | 9) | None if is_shiny => plastic(),
             _ => MaterialKind::Diffuse,
         }
     }
@@ -268,34 +247,51 @@ impl Entry {
     fn note_ignored(&self, notes: &mut Notes) {
         let (illumination, opacity) = (self.numbers.get("illum").copied(), self.opacity());
         let mut note = |line: usize, what: &str| notes.add(&line, what.to_string());
+        if let Some((file, line)) = self.maps.get("map_Ka")
+            && self.maps.get("map_Kd").is_none_or(|(other, _)| other != file)
+        {
+            note(*line, "`map_Ka` is not read");
+        }
         if let MaterialKind::Glass { .. } = self.kind() {
             if let Some(&(_, line)) = self.numbers.get("Ni").filter(|&&(ior, _)| ior == 1.0) {
                 note(line, "glass with `Ni 1` does not refract and is invisible");
             }
-            if self.maps.contains_key("map_Kd") {
-                let line = illumination.or(opacity).map_or(1, |(_, line)| line);
-                note(line, "glass is shown without its `map_Kd`");
+            let roughness = self.numbers.get("Pr").filter(|&&(roughness, _)| roughness > 0.0);
+            let maps = ["map_Kd", "map_Pr"].map(|key| Some((key, self.maps.get(key)?.1)));
+            for (key, line) in maps.into_iter().chain([roughness.map(|&(_, line)| ("Pr", line))]).flatten() {
+                note(line, &format!("glass is shown without its `{key}`"));
             }
             return;
         }
         if let Some((_, line)) = opacity.filter(|&(opacity, _)| opacity < 1.0) {
             note(line, "a partly transparent material that is not glass is shown opaque");
         }
-        if let (MaterialKind::Diffuse | MaterialKind::Plastic { .. }, Some((model, line))) =
-            (self.kind(), illumination)
-            && [4.0, 5.0, 8.0, 9.0].contains(&model)
+        if let Some(&(filter, line)) = self.colors.get("Tf")
+            && ![DVec3::ZERO, DVec3::ONE].contains(&filter)
         {
+            note(line, "`Tf` is not read of materials that are not glass");
+        }
+        let Some((model, line)) = illumination else { return };
+        let reflects = self.color("Ks").is_some_and(|color| color != DVec3::ZERO);
+        let is_lost = match self.kind() {
+            MaterialKind::Diffuse if [4.0, 9.0].contains(&model) => reflects,
+            MaterialKind::Diffuse | MaterialKind::Plastic { .. } => [5.0, 8.0].contains(&model),
+            _ => false,
+        };
+        if is_lost {
             let what = format!("`illum {model}` is shown diffuse: a mirror is `illum 3`, glass `illum 7`");
             note(line, &what);
+        } else if !(1.0..=9.0).contains(&model) {
+            note(line, &format!("`illum {model}` is not read"));
         }
     }
 
-    /// Adds the material to the builder. `library` is the MTL's name in the OBJ file, `path` the file that
-    /// was found.
-    fn add(&self, library: &str, path: &Path, builder: &mut SceneBuilder) -> u32 {
-        let [diffuse, specular, filter] = ["Kd", "Ks", "Tf"].map(|keyword| self.colors.get(keyword).copied());
+    /// Adds the material to the builder. `obj` is the model that names the library at `path`.
+    fn add(&self, obj: &Path, path: &Path, builder: &mut SceneBuilder) -> u32 {
+        let [diffuse, specular, filter] = ["Kd", "Ks", "Tf"].map(|keyword| self.color(keyword));
         let [color_map, roughness_map, norm, map_kn] =
             ["map_Kd", "map_Pr", "norm", "map_Kn"].map(|keyword| self.maps.get(keyword));
+        let diffuse = diffuse.filter(|&color| color_map.is_none() || color != DVec3::ZERO);
         let kind = self.kind();
         let color = match kind {
             MaterialKind::Glass { .. } => {
@@ -310,30 +306,18 @@ impl Entry {
         };
         let place = path.display();
         if color.max_element() > 1.0 {
-            builder.warn(format!("{place}: the colour of `{}` is above 1 and was clamped to 1.", self.name));
+            let (line, name) = (self.line, &self.name);
+            builder.warn(format!("{place}:{line}: the colour of `{name}` is above 1 and was clamped to 1."));
         }
-        let mut load = |image: Option<&String>, texel_kind| {
-            let image = image?;
-            let mut load = |spelt: &str| {
-                let (file, shown) = (path.with_file_name(spelt), Path::new(library).with_file_name(spelt));
-                builder.textures.load(&file, &shown.to_string_lossy(), Filter::Bilinear, texel_kind)
-            };
-            let loaded = load(image).or_else(|reason| match image.contains('\\') {
-                true => load(&image.replace('\\', "/")),
-                false => Err(reason),
-            });
-            if let Err(reason) = &loaded {
-                let name = &self.name;
-                builder.warn(format!("{place}: the texture `{image}` of `{name}` is left out: {reason}."));
-            }
-            loaded.ok()
+        let mut load = |image: Option<&_>, texel_kind| {
+            image.and_then(|image| builder.find_texture(image, path, obj, texel_kind))
         };
         let is_glass = matches!(kind, MaterialKind::Glass { .. });
         let material = Material {
             texture: load(color_map.filter(|_| !is_glass), TexelKind::Color),
             roughness_map: load(roughness_map.filter(|_| kind.has_roughness()), TexelKind::Data),
             normal_map: load(norm.or(map_kn), TexelKind::Data),
-            emission: self.colors.get("Ke").map_or(Vec3::ZERO, |emission| emission.as_vec3()),
+            emission: self.color("Ke").map_or(Vec3::ZERO, |emission| emission.as_vec3()),
             ..Material::new(&self.name, kind, color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3())
         };
         builder.add_material(material, 1.0)

@@ -2,6 +2,7 @@
 //!
 //! For: [`Notes`].
 
+use super::error::{MAX_FAULTS, SceneError};
 use std::fmt::Display;
 use std::path::Path;
 
@@ -11,27 +12,46 @@ const MOST: usize = 100;
 /// What is left out of a file.
 #[derive(Default)]
 pub struct Notes {
-    /// What it is, the first place and the number of places.
-    kinds: Vec<(String, String, usize)>,
+    /// What tells it from others, what it is, the first place and the number of places.
+    kinds: Vec<(String, String, String, usize)>,
     others: usize,
+    faults: Vec<SceneError>,
 }
 
 impl Notes {
     pub fn add(&mut self, place: &impl Display, what: impl Into<String>) {
         let what = what.into();
-        match self.kinds.iter().position(|(known, ..)| *known == what) {
-            Some(known) => self.kinds[known].2 += 1,
-            None if self.kinds.len() < MOST => self.kinds.push((what, place.to_string(), 1)),
+        self.add_kind(&what, place, || what.clone());
+    }
+    fn add_kind(&mut self, key: &str, place: &impl Display, what: impl FnOnce() -> String) {
+        match self.kinds.iter().position(|(known, ..)| known == key) {
+            Some(known) => self.kinds[known].3 += 1,
+            None if self.kinds.len() < MOST => {
+                self.kinds.push((key.to_string(), what(), place.to_string(), 1));
+            }
             None => self.others += 1,
         }
     }
+    /// Notes that a fault leaves this out, such as a statement.
+    pub fn add_fault(&mut self, left_out: &str, fault: SceneError) {
+        let at = fault.at.as_deref().unwrap_or_default();
+        let place = at.strip_prefix("line ").map_or_else(|| format!(" {at}"), str::to_string);
+        self.add_kind(left_out, &place, || format!("{left_out} is left out: {}", fault.what));
+        if self.faults.len() < MAX_FAULTS {
+            self.faults.push(fault);
+        }
+    }
+    /// The faults as one error, of a file in which they leave nothing; `otherwise` without faults.
+    pub fn refusal(self, otherwise: SceneError) -> SceneError {
+        SceneError::of_all(self.faults).unwrap_or(otherwise)
+    }
     /// `separator` stands between the file's name and the place.
-    pub fn into_warnings(self, path: &Path, separator: &str) -> impl Iterator<Item = String> {
+    pub fn warnings(&self, path: &Path, separator: &str) -> impl Iterator<Item = String> {
         let path = path.display();
         let others =
             (self.others > 0).then(|| format!("{path}: {} more of other kinds are left out.", self.others));
-        let kinds = self.kinds.into_iter().map(move |(what, place, count)| {
-            let more = if count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
+        let kinds = self.kinds.iter().map(move |(_, what, place, count)| {
+            let more = if *count > 1 { format!(" ({} more like it)", count - 1) } else { String::new() };
             format!("{path}{separator}{place}: {what}{more}.")
         });
         kinds.chain(others)

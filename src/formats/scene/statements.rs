@@ -1,13 +1,14 @@
 //! The lines of Wavefront files: statements of a keyword, words and numbers.
 //!
-//! For: [`statements`], [`Statement`].
+//! For: [`statements`], [`Statement`], [`without_comment`].
 
 use super::check::{WITHIN_BOUNDS, fits};
 use super::error::SceneError;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// A line that is not empty, and those that a backslash at its end joins to it.
+/// A line that is not empty, and those that a backslash at its end joins to it. A `#` begins a comment, which
+/// ends with its line; names may hold one, see [`without_comment`].
 pub struct Statement<'a> {
     path: &'a Path,
     /// The number of its first line, from 1.
@@ -15,43 +16,67 @@ pub struct Statement<'a> {
     content: Cow<'a, [u8]>,
 }
 
-/// The statements of a file. Comments are statements whose keyword begins with `#`.
+/// The statements of a file.
 pub fn statements<'a>(text: &'a [u8], path: &'a Path) -> impl Iterator<Item = Statement<'a>> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let mut lines = text.split(|&byte| byte == b'\n').enumerate();
     let statements = std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
-        let mut content = Cow::Borrowed(first);
-        while let Some(head) = content.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len) {
+        let (mut content, mut last) = (Cow::Borrowed(first), first);
+        while !last.contains(&b'#')
+            && let Some(head) = content.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len)
+        {
             let Some((_, next)) = lines.next() else { break };
             // In place: a copy for every line would take time by the square of their number.
             let joined = content.to_mut();
             joined.truncate(head);
             joined.push(b' ');
             joined.extend_from_slice(next);
+            last = next;
         }
         Some(Statement { path, line: index + 1, content })
     });
     statements.filter(|statement| !statement.keyword().is_empty())
 }
 
+/// A name as it stands, and what remains of it where `#` begins a comment: some names hold a `#`.
+pub fn without_comment(name: &str) -> impl Iterator<Item = &str> {
+    let ends = [Some(name.len()), name.find(" #"), name.find('#')];
+    ends.into_iter().flatten().map(|end| name[..end].trim_end()).filter(|name| !name.is_empty())
+}
+
 impl Statement<'_> {
     pub fn keyword(&self) -> &[u8] {
-        let content = self.content.trim_ascii_start();
-        content.split(u8::is_ascii_whitespace).next().unwrap_or_default()
+        self.all_words().next().unwrap_or_default()
+    }
+    /// The keyword, for messages.
+    pub fn shown(&self) -> String {
+        let keyword = self.keyword();
+        format!("`{}`", String::from_utf8_lossy(&keyword[..keyword.len().min(40)]))
+    }
+    /// Whether it only ends or forgoes what statements of its kind begin.
+    pub fn is_off(&self) -> bool {
+        self.words().eq([b"off"]) || self.words().eq([b"0"])
     }
     /// What follows the keyword, as a name: it may hold spaces.
     pub fn name(&self) -> String {
         let rest = &self.content.trim_ascii_start()[self.keyword().len()..];
         String::from_utf8_lossy(rest.trim_ascii()).into_owned()
     }
+    fn all_words(&self) -> impl Iterator<Item = &[u8]> {
+        let content = self.content.split(|&byte| byte == b'#').next().unwrap_or_default();
+        content.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+    }
     /// The words that follow the keyword.
     pub fn words(&self) -> impl Iterator<Item = &[u8]> {
-        self.content.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).skip(1)
+        self.all_words().skip(1)
     }
-    /// The first `N` words as numbers; what follows them (weights, vertex colours) is ignored.
-    pub fn numbers<const N: usize>(&self, what: &str) -> Result<[f64; N], SceneError> {
-        let mut words = self.words();
+    /// The next `N` of these words as numbers.
+    pub fn numbers<'a, const N: usize>(
+        &self,
+        words: &mut impl Iterator<Item = &'a [u8]>,
+        what: &str,
+    ) -> Result<[f64; N], SceneError> {
         let mut values = [0.0; N];
         for value in &mut values {
             let missing =

@@ -2,9 +2,9 @@
 //!
 //! For: [`parse`].
 //!
-//! Reads the elements `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v) and `face` (a list
-//! `vertex_indices` or `vertex_index`, of any length); others are skipped. Whole numbers as colours are
-//! display values (sRGB) over the largest of their type, real ones linear.
+//! Reads the elements `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v), `face` (a list
+//! `vertex_indices` or `vertex_index`, of any length; red, green, blue) and `tristrips`; others are noted.
+//! Whole numbers as colours are display values (sRGB) over the largest of their type, real ones linear.
 //!
 //! No library is used: one (`ply-rs-bw`) needs a parser generator and makes a map of each element, the other
 //! (`serde-ply`) is at version 0.2. Here every count is checked against the bytes that are there, faults have
@@ -14,9 +14,9 @@
 
 mod reader;
 
-use super::check::{WITHIN_BOUNDS, fits};
+use super::check::fits;
 use super::error::SceneError;
-use super::mesh::{Corner, Face, Mesh};
+use super::mesh::{Corner, Face, Mesh, NONE};
 use super::scalar::{Kind, Scalar};
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::srgb_to_linear;
@@ -28,111 +28,155 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     let mut reader = Reader::new(path, bytes);
     let elements = reader.header()?;
     let mut mesh = Mesh::default();
-    let elements = || elements.iter().filter(|element| !element.properties.is_empty());
-    let vertices = elements().filter(|element| element.name == "vertex");
-    let vertices = vertices.fold(0, |sum: usize, element| sum.saturating_add(element.count));
-    for element in elements() {
+    for element in elements.iter().filter(|element| !element.properties.is_empty()) {
         reader.check_count(element)?;
         match element.name.as_str() {
             "vertex" => read_vertices(&mut mesh, &mut reader, element)?,
-            _ => read_faces(&mut mesh, &mut reader, element, vertices)?,
+            "face" | "tristrips" => read_faces(&mut mesh, &mut reader, element)?,
+            name => {
+                if element.count > 0 {
+                    reader.notes.add(&element.line, format!("the element `{name}` is not read"));
+                }
+                each_row(&mut reader, element, |_| None)?;
+            }
         }
     }
-    if mesh.faces.is_empty() {
-        let mend = "export the model with faces: points alone have no surface";
-        return Err(SceneError::new("the mesh has no faces").in_file(path).mend(mend));
+    // Faces may come before the vertices.
+    let [no_uvs, no_normals] = [mesh.uvs.is_empty(), mesh.normals.is_empty()];
+    for corner in &mut mesh.corners {
+        corner.uv |= if no_uvs { NONE } else { 0 };
+        corner.normal |= if no_normals { NONE } else { 0 };
     }
+    let colored = mesh.faces.iter().position(|face| !face.color.is_nan());
+    if let Some(face) = colored.filter(|_| !mesh.colors.is_empty()) {
+        let what = "colours of faces are left out, as the vertices have theirs";
+        reader.notes.add(&format!(" face {face}"), what);
+    }
+    mesh.notes = reader.notes;
+    mesh.check(path, 0, |face| format!("face {face}"))?;
     Ok(mesh)
 }
+
+/// What a row of an element holds: a number of each property, the last one of a list.
+struct Row<'a> {
+    values: &'a [f64],
+    /// The content of the list `vertex_indices`.
+    corners: &'a [f64],
+}
+
+/// Reads the rows of an element, and notes what `read` says of one.
+fn each_row(
+    reader: &mut Reader,
+    element: &Element,
+    mut read: impl FnMut(Row) -> Option<&'static str>,
+) -> Result<(), SceneError> {
+    let (mut values, mut corners) = (vec![0.0; element.properties.len()], Vec::new());
+    for number in 0..element.count {
+        corners.clear();
+        for (value, property) in values.iter_mut().zip(&element.properties) {
+            // Each number is read, so that a length beyond the file's end fails there.
+            for _ in 0..reader.count(property)? {
+                *value = reader.number(property.scalar)?;
+                if property.is_corners() {
+                    corners.push(*value);
+                }
+            }
+        }
+        if let Some(note) = read(Row { values: &values, corners: &corners }) {
+            reader.notes.add(&format!(" {} {number}", element.name), note);
+        }
+    }
+    Ok(())
+}
+
+/// Where the properties of these names are, each group if it is whole; notes all others.
+fn columns<const N: usize>(
+    reader: &mut Reader,
+    element: &Element,
+    groups: [&[&[&str]]; N],
+) -> [Option<Vec<usize>>; N] {
+    let find = |names: &&[&str]| {
+        let is_named = |name: &String| names.contains(&name.as_str());
+        element.properties.iter().position(|property| property.list.is_none() && is_named(&property.name))
+    };
+    let found = groups.map(|group| group.iter().map(find).collect::<Option<Vec<usize>>>());
+    for (at, property) in element.properties.iter().enumerate().filter(|_| element.count > 0) {
+        if !found.iter().flatten().flatten().any(|&used| used == at) && !property.is_corners() {
+            let what = format!("the property `{}` of `{}` is not read", property.name, element.name);
+            reader.notes.add(&property.line, what);
+        }
+    }
+    found
+}
+
+const COLOR: &[&[&str]] =
+    &[&["red", "r", "diffuse_red"], &["green", "g", "diffuse_green"], &["blue", "b", "diffuse_blue"]];
 
 fn read_vertices(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Result<(), SceneError> {
     if !mesh.positions.is_empty() {
         return Err(reader.fault("a second list of vertices", "export the model again"));
     }
-    if element.properties.iter().any(|property| property.list.is_some()) {
-        return Err(reader.fault("vertices with lists are not read", "export the model without them"));
-    }
-    let find = |names: &&[&str]| {
-        element.properties.iter().position(|property| names.contains(&property.name.as_str()))
-    };
-    let all = |names: &[&[&str]]| names.iter().map(find).collect::<Option<Vec<usize>>>();
-    let Some(position) = all(&[&["x"], &["y"], &["z"]]) else {
+    const UV: &[&[&str]] = &[&["s", "u", "texture_u"], &["t", "v", "texture_v"]];
+    let groups: [&[&[&str]]; 4] = [&[&["x"], &["y"], &["z"]], &[&["nx"], &["ny"], &["nz"]], COLOR, UV];
+    let [position, normal, color, uv] = columns(reader, element, groups);
+    let Some(position) = position else {
         return Err(reader.fault("vertices without x, y and z", "export the model again"));
     };
-    let normal = all(&[&["nx"], &["ny"], &["nz"]]);
-    let color = all(&[
-        &["red", "r", "diffuse_red"],
-        &["green", "g", "diffuse_green"],
-        &["blue", "b", "diffuse_blue"],
-    ]);
-    let uv = all(&[&["s", "u", "texture_u"], &["t", "v", "texture_v"]]);
-    let mut values = vec![0.0; element.properties.len()];
-    for _ in 0..element.count {
-        for (value, property) in values.iter_mut().zip(&element.properties) {
-            *value = reader.number(property.scalar)?;
-            if !fits(*value) {
-                let what = format!("{value} is not a number that a scene can hold");
-                return Err(reader.fault(what, WITHIN_BOUNDS));
-            }
-        }
+    mesh.colors_line = color.as_ref().map_or(mesh.colors_line, |at| element.properties[at[0]].line);
+    each_row(reader, element, |Row { values, .. }| {
         let three = |at: &[usize]| DVec3::new(values[at[0]], values[at[1]], values[at[2]]);
         mesh.positions.push(three(&position));
         mesh.normals.extend(normal.as_deref().map(|at| three(at).normalize_or_zero().as_vec3()));
-        mesh.colors.extend(color.as_ref().map(|at| {
-            let channel = |at: usize| channel(&element.properties[at], values[at]);
-            Vec3::new(channel(at[0]), channel(at[1]), channel(at[2]))
-        }));
-        mesh.uvs.extend(uv.as_ref().map(|at| Vec2::new(values[at[0]] as f32, values[at[1]] as f32)));
-    }
-    Ok(())
+        mesh.colors.extend(color.as_deref().map(|at| linear(element, at, values)));
+        let or_zero = |at: usize| if fits(values[at]) { values[at] as f32 } else { 0.0 };
+        mesh.uvs.extend(uv.as_ref().map(|at| Vec2::new(or_zero(at[0]), or_zero(at[1]))));
+        let mut further = [&normal, &color, &uv].into_iter().flatten().flatten();
+        let is_broken = further.any(|&at| !fits(values[at]));
+        is_broken.then_some("a normal, a colour or a texture coordinate that is no number is left out")
+    })
 }
 
-/// A channel of a colour, linear and in [0, 1].
-fn channel(property: &Property, value: f64) -> f32 {
-    let scalar = property.scalar;
-    if scalar.kind == Kind::Real {
-        return value.clamp(0.0, 1.0) as f32;
-    }
-    let white = Scalar { kind: Kind::Unsigned, ..scalar }.largest();
-    srgb_to_linear((value / white).clamp(0.0, 1.0)) as f32
-}
-
-/// Reads the faces of a file with this number of vertices, which may come after them; skips other elements.
-fn read_faces(
-    mesh: &mut Mesh,
-    reader: &mut Reader,
-    element: &Element,
-    vertices: usize,
-) -> Result<(), SceneError> {
-    const MEND: &str = "vertices count from 0";
-    let is_corners = |property: &Property| {
-        let is_list = element.name == "face" && property.list.is_some();
-        is_list && ["vertex_indices", "vertex_index"].contains(&property.name.as_str())
-    };
-    let are_corners: Vec<bool> = element.properties.iter().map(is_corners).collect();
-    for _ in 0..element.count {
-        for (property, &is_corners) in element.properties.iter().zip(&are_corners) {
-            // Each number is read, so that a length beyond the file's end fails there.
-            for _ in 0..reader.count(property)? {
-                let value = reader.number(property.scalar)?;
-                if !is_corners {
-                    continue;
+/// The faces of a file, or the triangles of its strips.
+fn read_faces(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Result<(), SceneError> {
+    let is_strips = element.name == "tristrips";
+    let [color] = columns(reader, element, [COLOR]);
+    mesh.colors_line = color.as_ref().map_or(mesh.colors_line, |at| element.properties[at[0]].line);
+    each_row(reader, element, |Row { values, corners }| {
+        let color = color.as_deref().map_or(Vec3::NAN, |at| linear(element, at, values));
+        let mut push = |corners: &[f64]| {
+            mesh.corners.extend(corners.iter().map(|&value| {
+                let is_vertex = value >= 0.0 && value < f64::from(NONE) && value.fract() == 0.0;
+                let index = if is_vertex { value as u32 } else { NONE };
+                Corner { position: index, uv: index, normal: index }
+            }));
+            mesh.faces.push(Face { end: mesh.corners.len(), material: 0, color });
+        };
+        // A negative number ends a strip. Two equal corners turn it.
+        for strip in corners.split(|&corner| is_strips && corner < 0.0).filter(|_| is_strips) {
+            for (at, three) in strip.windows(3).enumerate() {
+                let [a, b, c] = if at % 2 == 0 { [0, 1, 2] } else { [1, 0, 2] }.map(|corner| three[corner]);
+                if a != b && b != c && c != a {
+                    push(&[a, b, c]);
                 }
-                if !(value >= 0.0 && value < f64::from(u32::MAX) && value.fract() == 0.0) {
-                    return Err(reader.fault(format!("{value} is not a vertex"), MEND));
-                }
-                if value >= vertices as f64 {
-                    let face = mesh.faces.len();
-                    let what = format!("face {face} uses vertex {value}, and the file has {vertices}");
-                    return Err(reader.fault(what, MEND));
-                }
-                let index = value as u32;
-                mesh.corners.push(Corner { position: index, uv: index, normal: index });
-            }
-            if is_corners {
-                mesh.faces.push(Face { end: mesh.corners.len(), material: 0 });
             }
         }
-    }
-    Ok(())
+        if !is_strips && element.properties.iter().any(Property::is_corners) {
+            push(corners);
+        }
+        None
+    })
+}
+
+/// A colour, linear and in [0, 1]; white where it is no number.
+fn linear(element: &Element, at: &[usize], values: &[f64]) -> Vec3 {
+    let channel = |at: usize| {
+        let scalar = element.properties[at].scalar;
+        let of_real = |value: f64| if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) };
+        if scalar.kind == Kind::Real {
+            return of_real(values[at]) as f32;
+        }
+        let white = Scalar { kind: Kind::Unsigned, ..scalar }.largest();
+        srgb_to_linear(of_real(values[at] / white)) as f32
+    };
+    Vec3::new(channel(at[0]), channel(at[1]), channel(at[2]))
 }

@@ -3,6 +3,7 @@
 //! For: [`Reader`], [`Element`].
 
 use super::super::error::SceneError;
+use super::super::notes::Notes;
 use super::super::scalar::{Kind, Scalar};
 use std::path::Path;
 
@@ -30,13 +31,22 @@ fn scalar(name: &str) -> Option<Scalar> {
 
 pub struct Property {
     pub name: String,
+    pub line: usize,
     pub scalar: Scalar,
     /// The type of a list's length.
     pub list: Option<Scalar>,
 }
 
+impl Property {
+    /// Whether it lists the vertices of a face.
+    pub fn is_corners(&self) -> bool {
+        self.list.is_some() && ["vertex_indices", "vertex_index"].contains(&self.name.as_str())
+    }
+}
+
 pub struct Element {
     pub name: String,
+    pub line: usize,
     pub count: usize,
     pub properties: Vec<Property>,
 }
@@ -48,11 +58,13 @@ pub struct Reader<'a> {
     encoding: Encoding,
     at: usize,
     line: usize,
+    /// What is left out.
+    pub notes: Notes,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
-        Self { path, bytes, encoding: Encoding::Ascii, at: 0, line: 0 }
+        Self { path, bytes, encoding: Encoding::Ascii, at: 0, line: 0, notes: Notes::default() }
     }
     pub fn fault(&self, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
         SceneError::new(what)
@@ -79,9 +91,14 @@ impl<'a> Reader<'a> {
     }
     /// How many numbers come next of a property.
     pub fn count(&mut self, property: &Property) -> Result<u64, SceneError> {
-        property.list.map_or(Ok(1), |length| Ok(self.number(length)? as u64))
+        let Some(length) = property.list else { return Ok(1) };
+        let count = self.number(length)?;
+        if count >= 0.0 && count.fract() == 0.0 {
+            return Ok(count as u64);
+        }
+        Err(self.fault(format!("{count} is not the length of a list"), "export the model again"))
     }
-    /// The next number.
+    /// The next number; NaN, with a note unless it stands for NaN or infinity, where a word is none.
     #[inline]
     pub fn number(&mut self, scalar: Scalar) -> Result<f64, SceneError> {
         if self.encoding == Encoding::Ascii {
@@ -93,10 +110,13 @@ impl<'a> Reader<'a> {
             let word = &rest[..rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len())];
             let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok());
             self.at += word.len();
-            return number.ok_or_else(|| {
+            // As in `-nan(ind)` and `1.#QNAN`.
+            if number.is_none() && !word.iter().any(|byte| b"(#".contains(byte)) {
                 let word = String::from_utf8_lossy(&word[..word.len().min(40)]).into_owned();
-                self.fault(format!("`{word}` is not a number"), "write a number")
-            });
+                let fault = self.fault(format!("`{word}` is not a number"), "write a number");
+                self.notes.add_fault("a number", fault);
+            }
+            return Ok(number.unwrap_or(f64::NAN));
         }
         let bytes = self.rest().get(..scalar.bytes).ok_or_else(|| self.ends_early())?;
         self.at += bytes.len();
@@ -128,7 +148,8 @@ impl<'a> Reader<'a> {
                 ["element", name, count] => {
                     let count =
                         count.parse().map_err(|_| self.fault(format!("`{count}` is not a count"), MEND))?;
-                    elements.push(Element { name: name.to_string(), count, properties: Vec::new() });
+                    let (name, line) = (name.to_string(), self.line);
+                    elements.push(Element { name, line, count, properties: Vec::new() });
                 }
                 ["property", ref property @ ..] => {
                     let (of, list, name) = match *property {
@@ -142,11 +163,16 @@ impl<'a> Reader<'a> {
                         elements.last_mut().ok_or_else(|| self.fault("a property of no element", MEND))?;
                     element.properties.push(Property {
                         name: name.to_string(),
+                        line: self.line,
                         scalar: known(of)?,
                         list: list.map(known).transpose()?,
                     });
                 }
                 ["end_header"] => break,
+                ["comment", "TextureFile", ..] => {
+                    let line = self.line;
+                    self.notes.add(&line, "`TextureFile` is not read: name the texture in a scene file");
+                }
                 ["comment" | "obj_info", ..] | [] => {}
                 _ => return Err(self.fault(format!("`{line}` does not belong into a header"), MEND)),
             }

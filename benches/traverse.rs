@@ -12,7 +12,7 @@ use octray_engine::traverse::hierarchy::Hierarchy;
 use octray_formats::scene;
 use octray_laboratory::measure::ray_sets::{Answers, Kind, RaysWithHits};
 use octray_laboratory::measure::rays;
-use octray_laboratory::measure::trace::{AccelerationStructures, TraceMethod, TracePool};
+use octray_laboratory::measure::trace::{Accelerators, TraceMethod, TracePool};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -34,7 +34,7 @@ fn main() {
     });
     group.finish();
 
-    let structures = AccelerationStructures::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+    let structures = Accelerators::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
     let pool = TracePool::new(1);
     let sets = rays::prepare(
         &scene,
@@ -69,7 +69,7 @@ fn main() {
 fn trace(
     way: TraceMethod,
     pool: &TracePool,
-    structures: &AccelerationStructures,
+    structures: &Accelerators,
     rays: &RaysWithHits,
     answers: &mut Answers,
 ) {

@@ -61,7 +61,7 @@ pub struct Options {
     /// Worker threads [default: one, and SIMD once more on all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Measure one width only, of auto, 1, 8, 16 [default: 1 and one vector].
+    /// Measure one width: auto, 1, 8, 16 [default: scalar and native ones].
     #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true)]
     lanes: Option<LaneChoice>,
     /// Measured frames [default: two seconds a scene, and at least 50].

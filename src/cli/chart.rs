@@ -46,8 +46,7 @@ const MAX_SEEDS: u32 = 1_000;
 /// a ground truth that is rendered first, with other random numbers, and cached in the folder for the next
 /// run; those in motion against ground truths of their own.
 ///
-/// Times in drawings are multiples of the default's, so that charts of different machines can be compared;
-/// seconds are in the tables. A plane has at most six lines; more are spread over several.
+/// Times in drawings are multiples of the default's, comparable between machines; the tables have seconds.
 ///
 /// Writes report.html (one page that needs no other file), an .svg for each figure, .csv tables and
 /// chart.json. Exits with 1 if a configuration that must give the default's picture, bit by bit, gives

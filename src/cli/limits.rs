@@ -18,7 +18,6 @@ const LEAST_SAMPLES: u32 = 16;
 /// Fewest samples from which a variance can be estimated.
 const FEWEST_SAMPLES: u32 = crate::film::noise::GROUP;
 
-/// The heading of limits.
 const LIMITS: &str = "When to stop";
 const SAMPLES_HELP: &str = "Samples per pixel (or --spp): four times as many halve the noise [default: 64; with \
      --target-error at most 16384; with --time-limit as many as fit]";

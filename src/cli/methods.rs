@@ -9,7 +9,7 @@ use crate::report::text::item;
 use crate::sampling::Sampler;
 use crate::tone::Operator;
 use crate::traverse::{SphereChoice, TraversalChoice, TriangleChoice};
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::process::ExitCode;
 
 /// List the methods that options choose among.
@@ -25,59 +25,30 @@ pub struct Options {
     json: bool,
 }
 
-/// The JSON report.
-#[derive(Debug, Serialize)]
-struct Report {
-    schema: &'static str,
-    options: Vec<Chosen>,
-}
-
-/// What an option chooses.
-#[derive(Debug, Serialize)]
-struct Chosen {
-    option: &'static str,
-    what: &'static str,
-    methods: Vec<Method>,
-}
-
-#[derive(Debug, Serialize)]
-struct Method {
-    name: &'static str,
-    default: bool,
-    about: &'static str,
-}
-
-impl Chosen {
-    fn of<C: Choice + Default>(option: &'static str, what: &'static str) -> Self {
-        let method = |&it: &C| Method { name: it.name(), default: it == C::default(), about: it.about() };
-        Self { option, what, methods: C::all().iter().map(method).collect() }
-    }
-
-    fn text(&self) -> String {
-        let mark = |method: &Method| if method.default { " *" } else { "" };
-        let line = |method: &Method| item(&format!("  {}{}", method.name, mark(method)), 18, method.about);
-        let lines: String = self.methods.iter().map(line).collect();
-        format!("--{}: {}\n{lines}", self.option, self.what)
-    }
+/// The methods of an option, as text and as JSON.
+fn of<C: Choice + Default>(option: &str, what: &str) -> (String, Vec<Value>) {
+    let is_default = |it: C| it == C::default();
+    let name = |it: C| format!("  {}{}", it.name(), if is_default(it) { " *" } else { "" });
+    let lines: String = C::all().iter().map(|&it| item(&name(it), 18, it.about())).collect();
+    let json = |&it: &C| json!({ "option": option, "name": it.name(), "default": is_default(it), "about": it.about() });
+    (format!("--{option}: {what}\n{lines}"), C::all().iter().map(json).collect())
 }
 
 /// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
-    let all = vec![
-        Chosen::of::<SphereChoice>("sphere", "ray-sphere intersection"),
-        Chosen::of::<TriangleChoice>("triangle", "ray-triangle intersection"),
-        Chosen::of::<TraversalChoice>("traversal", "how rays find primitives; the picture stays the same"),
-        Chosen::of::<LightChoice>(
-            "lights",
-            "lights that next event estimation samples; the mean stays the same",
-        ),
-        Chosen::of::<Sampler>("sampler", "source of random numbers; the mean stays the same"),
-        Chosen::of::<PipelineChoice>("pipeline", "features compiled in; the picture stays the same"),
-        Chosen::of::<LaneChoice>("lanes", "rays traced at a time; the picture stays the same"),
-        Chosen::of::<Operator>("tone", "tone mapping of what is displayed"),
+    let all = [
+        of::<SphereChoice>("sphere", "ray-sphere intersection"),
+        of::<TriangleChoice>("triangle", "ray-triangle intersection"),
+        of::<TraversalChoice>("traversal", "how rays find primitives; the picture stays the same"),
+        of::<LightChoice>("lights", "lights that next event estimation samples; the mean stays the same"),
+        of::<Sampler>("sampler", "source of random numbers; the mean stays the same"),
+        of::<PipelineChoice>("pipeline", "features compiled in; the picture stays the same"),
+        of::<LaneChoice>("lanes", "rays traced at a time; the picture stays the same"),
+        of::<Operator>("tone", "tone mapping of what is displayed"),
     ];
+    let (texts, methods): (Vec<_>, Vec<_>) = all.into_iter().unzip();
     let out = Printer { json: options.json };
-    out.text(&all.iter().map(Chosen::text).collect::<Vec<_>>().join("\n"))?;
-    out.report(&Report { schema: "octray-methods-1", options: all })?;
+    out.text(&texts.join("\n"))?;
+    out.report(&json!({ "schema": "octray-methods-1", "methods": methods.concat() }))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -11,9 +11,6 @@ use crate::scene::{Loaded, MAX_BOUNCES, Rendering};
 use crate::tone::{Operator, Tone};
 use crate::traverse::Methods;
 
-const CLAMP: &str = "Largest radiance of a sample in each channel: it removes fireflies and biases the picture, darker by \
-     the light that is cut off [default: no limit]";
-
 /// Without an option, a view has its own value; without a view, the scene.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct PictureOptions {
@@ -32,8 +29,8 @@ pub struct PictureOptions {
     /// Rays traced at a time, with the same picture.
     #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true, long_help = one_of::<LaneChoice>("Rays traced at a time, with the same picture"))]
     pub lanes: Option<LaneChoice>,
-    /// Largest radiance of a sample: no fireflies, but biased [default: none].
-    #[arg(long, value_name = "MOST", value_parser = clamp, allow_hyphen_values = true, long_help = CLAMP)]
+    /// Clamp samples to this radiance a channel, with bias [default: none].
+    #[arg(long, value_name = "MOST", value_parser = clamp, allow_hyphen_values = true)]
     pub clamp: Option<f32>,
     /// Stops by which .png, .jpg and display are brightened [default: 0].
     #[arg(long, value_name = "STOPS", value_parser = exposure, allow_hyphen_values = true)]

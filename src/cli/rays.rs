@@ -9,7 +9,7 @@ use super::terminal::{self, Printer};
 use crate::bvh::check::check_scene;
 use crate::machine;
 use crate::measure::rays;
-use crate::measure::trace::{AccelerationStructures, TraceMethod, TracePool};
+use crate::measure::trace::{Accelerators, TraceMethod, TracePool};
 use crate::output;
 use crate::report::rays::{Report, heading, meaning, rows, warning};
 use crate::report::settings::RunSettings;
@@ -41,8 +41,7 @@ const MAX_RAYS: u32 = 1 << 23;
 /// and on all cores, the median, and in brackets from 10 to 90 % of the passes. × scalar: over one scalar ray
 /// at a time, whose speed stands above the rows of its kind, on as many threads; the median of the passes.
 /// differ: rays whose hit is not that of one scalar ray at a time; it should be 0, or the exit code is 1. A
-/// warning tells where other programs took the processor: a tenth of the passes, of a millisecond or more,
-/// much slower than the median.
+/// warning tells where other programs took the processor.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Examples:
   octray rays bunny.obj
@@ -148,7 +147,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let defaults = RunSettings { lanes, ..Options::parse_from(["rays", ""]).run_settings() };
     out.text(&heading(&report, &defaults))?;
 
-    let structures = AccelerationStructures::new(&scene, hierarchy);
+    let structures = Accelerators::new(&scene, hierarchy);
     let pools: Vec<TracePool> = threads.into_iter().map(TracePool::new).collect();
     let largest = pools.iter().max_by_key(|pool| pool.threads()).expect("there is a pool");
     let sets = rays::prepare(&scene, &camera, &structures, largest, options.size, options.seed);

@@ -11,7 +11,9 @@ use crate::report::stability::{Report, drawings, table, verdict};
 use clap::builder::PossibleValuesParser;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
+static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| test_cases().map(|test_case| test_case.name).collect());
 const JSON: &str = "stability.json";
 
 /// Measure where methods fail.
@@ -39,14 +41,8 @@ pub struct Options {
     #[arg(long)]
     thorough: bool,
     /// Run these test cases only.
-    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = PossibleValuesParser::new(test_cases().map(|test_case| test_case.name)), hide_possible_values = true, long_help = only())]
+    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = PossibleValuesParser::new(NAMES.iter()), hide_possible_values = true, long_help = format!("Run these test cases only: {}", NAMES.join(", ")))]
     only: Vec<String>,
-}
-
-/// The help of `--only`.
-fn only() -> String {
-    let names: Vec<&str> = test_cases().map(|test_case| test_case.name).collect();
-    format!("Run these test cases only: {}", names.join(", "))
 }
 
 /// Runs the command.
@@ -56,9 +52,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         output::check(&folder.join(JSON), Existing::Replace)?;
     }
     interrupt::end_with("Ctrl-C: figures come when all test cases are done; --only names a few.");
-    let is_wanted = |test_case: &&TestCase| {
-        options.only.is_empty() || options.only.iter().any(|name| name == test_case.name)
-    };
+    let is_wanted =
+        |case: &&TestCase| options.only.is_empty() || options.only.iter().any(|it| it == case.name);
     let test_cases: Vec<&TestCase> = test_cases().filter(is_wanted).collect();
     let effort = if options.thorough { Effort::THOROUGH } else { Effort::STANDARD };
     let tasks = progress::tasks(test_cases.iter().map(|test_case| test_case.points()).sum());

@@ -169,11 +169,8 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
 
 /// Frames per second, in thousands (k) where a column would be too narrow.
 fn rate(fps: f64) -> String {
-    match fps {
-        ..10_000.0 => figure(fps, 0),
-        ..100_000.0 => figure(fps / 1_000.0, 1) + "k",
-        _ => figure(fps / 1_000.0, 0) + "k",
-    }
+    let decimals = usize::from(fps < 100_000.0);
+    if fps < 10_000.0 { figure(fps, 0) } else { figure(fps / 1_000.0, decimals) + "k" }
 }
 
 type RatioOf = fn(&Measurement) -> Option<Ratio>;

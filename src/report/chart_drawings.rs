@@ -212,13 +212,7 @@ fn motion(scene: &SceneChart) -> Figure {
         "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.".into(),
     ];
     let lines = CameraPath::ALL.into_iter().enumerate().map(line).collect();
-    of_frames(
-        scene,
-        "one sample per pixel a frame, in motion",
-        notes,
-        "time of a frame, × rendering it".into(),
-        lines,
-    )
+    of_frames(scene, "one pass a frame, in motion", notes, "time of a frame, × rendering it".into(), lines)
 }
 
 /// RMSE in one plane.

@@ -1,5 +1,4 @@
-//! What `octray stability` reports: tables, JSON, and drawings of failures and errors along a test case's
-//! axis.
+//! What `octray stability` reports: tables, JSON, drawings of failures and errors along a test case's axis.
 //!
 //! For: [`Report`], [`table`], [`verdict`], [`drawings`].
 
@@ -80,12 +79,8 @@ fn place(x: f64) -> String {
 
 /// The tables in words.
 pub fn verdict(report: &Report) -> String {
-    let failed: Vec<&str> = report
-        .test_cases
-        .iter()
-        .filter(|outcome| !outcome.holds)
-        .map(|outcome| outcome.test_case.name)
-        .collect();
+    let broken = report.test_cases.iter().filter(|outcome| !outcome.holds);
+    let failed: Vec<&str> = broken.map(|outcome| outcome.test_case.name).collect();
     match failed[..] {
         [] => format!(
             "The default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",

@@ -3,7 +3,7 @@
 use crate::common::rays::{Set, mixture};
 use crate::common::*;
 use octray::measure::ray_sets::{Answers, RaySet};
-use octray::measure::trace::{AccelerationStructures, TraceMethod, TracePool};
+use octray::measure::trace::{Accelerators, TraceMethod, TracePool};
 
 /// Directions that divide by zero, or nearly.
 fn awkward(rng: &mut Rng) -> Vec3 {
@@ -126,7 +126,7 @@ fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
 #[test]
 fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let scene = mixture(&mut Rng(16), 40, 20, 0.0, 0.0);
-    let structures = AccelerationStructures::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+    let structures = Accelerators::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
     let mut rng = Rng(17);
     let pixels: Vec<[u32; 2]> = (0..48 * 32).map(|i| [i % 48, i / 48]).collect();
     let camera = octray::camera::Pinhole::new(&scene.camera, [48, 32]);

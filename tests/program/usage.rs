@@ -43,10 +43,10 @@ fn methods_have_a_sentence_each() {
     }
     let report = desk.json("methods");
     assert_eq!(
-        (&report["schema"], &report["options"][0]["option"]),
+        (&report["schema"], &report["methods"][0]["option"]),
         (&"octray-methods-1".into(), &"sphere".into())
     );
-    assert_eq!(report["options"][0]["methods"][0]["default"], true);
+    assert_eq!(report["methods"][0]["default"], true);
 }
 
 #[test]

@@ -67,13 +67,13 @@ pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
     Vec3::select(missed, radiance, Vec3::zero())
 }
 
-/// The environment's radiance from a direction, in a cone of the angle `cone_angle`; unspecified in lanes
-/// outside `mask`.
+/// The environment's radiance from a direction, in a cone of this `angle`; unspecified in lanes outside
+/// `mask`.
 #[inline(always)]
 pub fn environment_radiance<L: Lane, const N: u32>(
     context: &TraceContext,
     direction: Vec3<L>,
-    cone_angle: L,
+    angle: L,
     mask: L::Mask,
 ) -> Vec3<L> {
     let sky = &context.buffers.sky;
@@ -86,8 +86,7 @@ pub fn environment_radiance<L: Lane, const N: u32>(
         let (u, v) = latitude_longitude(direction);
         let mut footprint = L::zero();
         if context.carries_cones::<N>() {
-            footprint =
-                ray_cone::footprint(cone_angle, L::one(), ray_cone::sphere_density(direction, L::one()));
+            footprint = ray_cone::footprint(angle, L::one(), ray_cone::sphere_density(direction, L::one()));
         }
         let abilities = Abilities { levels: context.carries_cones::<N>(), ..abilities(N) };
         let clamp_v = L::Mask::splat(true);

@@ -22,7 +22,7 @@ pub struct MaterialSample<L: Lane> {
     /// One of [`MaterialCode`]'s kinds.
     pub kind: L::Bits,
     pub color: Vec3<L>,
-    /// Alpha of rough metal, plastic and metal-rough, the fuzzy mirror's roughness, glass's index of refraction
+    /// Alpha of rough metal, plastic and metal-rough, roughness of fuzzy mirrors, refractive index of glass
     /// (negated: thin glass).
     pub roughness_or_ior: L,
     pub emission: Vec3<L>,

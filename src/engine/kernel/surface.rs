@@ -65,9 +65,9 @@ pub fn near_edge(vertices: [glam::Vec3; 3], offset: f32) -> f32 {
 ///
 /// At an edge, the offset along one wall's normal, or rounding, leads behind the next wall. From a distance d
 /// to the edge, an offset h along the normal is on the inner side of a wall at the angle θ where d sin θ > h
-/// cos θ: [`INSET`] offsets are enough for angles of 8° and more.
+/// cos θ: eight offsets are enough for angles of 8° and more.
 ///
-/// Error: the point moves by at most [`INSET`] offsets, on slivers by at most [`MAX_INSET`] of an edge.
+/// Error: the point moves by at most eight offsets, on slivers by a sixteenth of an edge.
 #[inline(never)]
 pub fn inset<L: Lane>((u, v): (L, L), [ab, ac]: [Vec3<L>; 2], offset: L) -> (L, L) {
     let length = |v: Vec3<L>| v.dot(v).sqrt();

@@ -9,7 +9,7 @@ use super::quantiles::{Quantiles, Rounds};
 use super::ray_sets::{Answer, Answers, Kind, RaySet, RaysWithHits, pixels};
 use super::stats::{RayStats, TestStats};
 use super::timed::Ratio;
-use super::trace::{AccelerationStructures, TraceMethod, TracePool};
+use super::trace::{Accelerators, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
 use crate::scene::{Camera, Scene};
@@ -75,7 +75,7 @@ const BASELINE: TraceMethod = TraceMethod::Tree(Traversal::Scalar);
 pub fn prepare(
     scene: &Scene,
     camera: &Camera,
-    structures: &AccelerationStructures,
+    structures: &Accelerators,
     pool: &TracePool,
     size: [u32; 2],
     seed: u32,
@@ -158,12 +158,7 @@ impl Run<'_> {
     /// Traces all rays once; returns the seconds. `inline(never)`: `perf/stat.sh` selects this function by
     /// name.
     #[inline(never)]
-    fn pass(
-        &mut self,
-        structures: &AccelerationStructures,
-        rays: &RaysWithHits,
-        answers: &mut Answers,
-    ) -> f64 {
+    fn pass(&mut self, structures: &Accelerators, rays: &RaysWithHits, answers: &mut Answers) -> f64 {
         let RaysWithHits { set, nearest } = rays;
         let pool = self.pool;
         let seconds = pool.run(|| {
@@ -187,7 +182,7 @@ impl Run<'_> {
 /// Times these methods with one kind of rays, each on each pool, in alternating passes: `passes` of them, or
 /// as many as a median needs. Methods that do not apply to the kind are left out.
 pub fn measure(
-    structures: &AccelerationStructures,
+    structures: &Accelerators,
     rays: &RaysWithHits,
     methods: &[TraceMethod],
     pools: &[TracePool],
@@ -224,11 +219,7 @@ pub fn measure(
 
 /// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed: the
 /// counts do not depend on the number of threads. Methods that do not apply to the kind are left out.
-pub fn count(
-    structures: &AccelerationStructures,
-    rays: &RaysWithHits,
-    methods: &[TraceMethod],
-) -> Vec<RayStats> {
+pub fn count(structures: &Accelerators, rays: &RaysWithHits, methods: &[TraceMethod]) -> Vec<RayStats> {
     let RaysWithHits { set, .. } = rays;
     let methods = methods.iter().filter(|&&method| applies(method, set.kind));
     let count = |&method: &TraceMethod| {
@@ -270,7 +261,7 @@ mod tests {
     use octray_formats::scene::load;
 
     fn prepared(scene: &Scene, size: [u32; 2], seed: u32) -> Vec<RaysWithHits> {
-        let structures = AccelerationStructures::new(scene, Hierarchy::new(scene, Trees::WideAndBinary));
+        let structures = Accelerators::new(scene, Hierarchy::new(scene, Trees::WideAndBinary));
         prepare(scene, &scene.overview().unwrap(), &structures, &TracePool::new(2), size, seed)
     }
 
@@ -281,7 +272,7 @@ mod tests {
     #[test]
     fn measure_takes_no_time_where_no_method_applies() {
         let scene = load("builtin:terrain:2").unwrap();
-        let structures = AccelerationStructures::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+        let structures = Accelerators::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
         let pools = [TracePool::new(1)];
         let packet = [TraceMethod::Tree(Traversal::Packet)];
         let sets = prepare(&scene, &scene.overview().unwrap(), &structures, &pools[0], [64, 48], 0);

@@ -1,6 +1,6 @@
 //! The traversals that trace a set of rays, on one thread or many.
 //!
-//! For: [`TraceMethod`], [`AccelerationStructures`] (what every method traverses) and [`TracePool`].
+//! For: [`TraceMethod`], [`Accelerators`] (what every method traverses) and [`TracePool`].
 
 use super::ray_sets::{Answers, RaySet};
 use crate::lane::{NATIVE_WIDTH, Native};
@@ -59,13 +59,13 @@ impl TraceMethod {
 }
 
 /// The acceleration structures of a scene that the methods read.
-pub struct AccelerationStructures {
+pub struct Accelerators {
     /// Wide and binary trees: some traversals read the one, some the other.
     pub(crate) hierarchy: Hierarchy,
     list: List,
 }
 
-impl AccelerationStructures {
+impl Accelerators {
     /// Stores a list of the primitives beside a hierarchy of the same scene.
     pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
         Self { hierarchy, list: List::new(scene, Methods::default()) }
@@ -141,7 +141,7 @@ impl TracePool {
     pub fn trace(
         &self,
         method: TraceMethod,
-        structures: &AccelerationStructures,
+        structures: &Accelerators,
         set: &RaySet,
         answers: &mut Answers,
         any_hit: bool,
@@ -156,7 +156,7 @@ impl TracePool {
     fn trace_chunk(
         &self,
         method: TraceMethod,
-        structures: &AccelerationStructures,
+        structures: &Accelerators,
         set: &RaySet,
         first: usize,
         hits: &mut Hits,

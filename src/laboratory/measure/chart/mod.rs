@@ -57,7 +57,7 @@ const DISPLAY_SHARE: f64 = 0.72;
 const MOST_GROUND_TRUTH_SAMPLES: u32 = 16_384;
 /// The configurations that `frames` compares: of those with equal bits, only the scalar one.
 const IN_FRAMES: [&str; 5] =
-    [configurations::DEFAULT, "scalar", "random numbers", "no next event estimation", "every light sampled"];
+    [configurations::DEFAULT, "scalar", "random numbers", "no next event estimation", "all lights"];
 
 /// Size and time of one scene's chart.
 #[derive(Clone, Copy, Debug)]

@@ -24,8 +24,7 @@
 //! | `cameras` | fields of view near 0° and 180°, cameras inside objects |
 //! | `scenes` | very different sizes in one scene, coplanar surfaces |
 //!
-//! To add a test case: add it to the `test_cases` of its file. To add a file: add its `test_cases` to
-//! `TEST_CASES`.
+//! To add one: add it to the `test_cases` of its file. To add a file: add its `test_cases` to `TEST_CASES`.
 
 pub mod boxes;
 mod cameras;

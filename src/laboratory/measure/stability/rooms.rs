@@ -39,8 +39,8 @@ pub fn room(rng: &mut Rng, distance: f64) -> (Vec<[Vec3; 3]>, [Vec3; 2]) {
             [(at, -1.0), (at + 1, -1.0), (at + 1, 1.0), (at, 1.0)].map(|(at, y)| corner(at, y));
         [[a, b, c], [a, c, d]]
     };
-    let ceiling = floor(1.0).map(|[a, b, c]| [a, c, b]);
-    let triangles = floor(-1.0).chain(ceiling).chain((0..6).flat_map(wall)).collect();
+    let ground = floor(-1.0).map(|[a, b, c]| [a, c, b]);
+    let triangles = ground.chain(floor(1.0)).chain((0..6).flat_map(wall)).collect();
     (triangles, [place([-0.5, 0.6], 0.1), place([0.6, -0.5], -0.2)])
 }
 

@@ -92,8 +92,8 @@ impl Minimap {
     }
 
     /// Sets centre and scale so that the camera, unless it is [`FAR`], and the primitives fit whose bounding
-    /// radius is below [`LARGEST`] of their distance from it. Larger ones (a floor, a planet-sized ball, a sky)
-    /// are cut off, unless there are no others.
+    /// radius is below [`LARGEST`] of their distance from it. Larger ones (a floor, a planet-sized ball, a
+    /// sky) are cut off, unless there are no others.
     fn frame(&mut self, shapes: &[Shape], camera: DVec3) {
         let flat = |point: DVec3| DVec2::new(point.dot(self.right), point.dot(self.down));
         let balls: Vec<(DVec3, f64)> = shapes.iter().map(Shape::ball).collect();

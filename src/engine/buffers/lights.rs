@@ -57,8 +57,7 @@ pub struct Lights {
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
     /// The two primitives that each light is, or twice the one; [`MISS`] of the sky. Only where a light has a
-    /// texture, or lies in the surface of another primitive: what a shadow ray hits then decides what it adds.
-    /// Empty elsewhere.
+    /// texture, or lies in another primitive's surface: what a shadow ray hits then decides what it adds.
     primitives: Vec<u32>,
 }
 
@@ -98,9 +97,9 @@ impl Lights {
         if choice == LightChoice::Off || !anything_scatters(scene) {
             return Self::default();
         }
-        let mut powers: Vec<f64> = (0..primitives).map(|number| power_of(scene, number, choice)).collect();
-        let sky = EnvironmentLight::of(scene)
-            .filter(|sky| choice == LightChoice::On || sky.contrast >= MIN_CONTRAST);
+        let all = choice == LightChoice::On;
+        let mut powers: Vec<f64> = (0..primitives).map(|number| power_of(scene, number, all)).collect();
+        let sky = EnvironmentLight::of(scene).filter(|sky| all || sky.contrast >= MIN_CONTRAST);
         powers.push(sky.as_ref().map_or(0.0, |sky| sky_power(scene, sky)));
         let total: f64 = powers.iter().sum();
         if total <= 0.0 || !total.is_finite() {

@@ -7,8 +7,8 @@ use crate::math::EPSILON;
 use crate::scene::{Primitive, Scene, Triangle};
 use glam::DVec3;
 
-/// Surfaces closer than this share of the distance from which they are lit count as one: a few times the share
-/// of their length by which shadow rays end early.
+/// Surfaces closer than this share of the distance from which they are lit count as one: a few times the
+/// share of their length by which shadow rays end early.
 const CLOSE: f64 = 1e-5;
 /// Light from farther away than so many sizes of a light is not asked for.
 const FAR: f64 = 1000.0;

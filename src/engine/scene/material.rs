@@ -80,8 +80,8 @@ pub enum MaterialKind {
     /// A pane of glass without thickness: reflects as both its surfaces together, and transmits the rest,
     /// times `color`, straight on. `ior` > 0.
     ThinGlass { ior: f32 },
-    /// The fuzzy mirror, the lobe of the thesis: direction = normalize(reflected + roughness · u), u uniform on the unit sphere;
-    /// absorbed where it points below the surface. Roughness ≥ 0.
+    /// The fuzzy mirror, the lobe of the thesis: direction = normalize(reflected + roughness · u), u uniform
+    /// on the unit sphere; absorbed where it points below the surface. Roughness ≥ 0.
     FuzzyMirror { roughness: f32 },
     /// A dielectric coat of index `ior` over a diffuse base of reflectance `color`: GGX with alpha =
     /// roughness², smooth at roughness 0. Roughness in [0, 1], `ior` in [1, 3].

@@ -4,7 +4,7 @@ use super::methods::Method;
 use super::rays::towards;
 use super::rng::Rng;
 use super::spawn::{SpawnMethod, common};
-use super::test_case::{FailureCounts, TestCase, trials};
+use super::test_case::{Bound, FailureCounts, TestCase, trials};
 use super::triangles::{self, mean};
 use crate::kernel::ray_triangle::Woop;
 use crate::kernel::surface::{inset, triangle_normal, triangle_offset};
@@ -18,6 +18,9 @@ pub(super) fn test_cases() -> Vec<TestCase> {
         axis: "distance of the room from the origin",
         places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 2e4],
         failure: "the ray starts outside the room",
+        // A ray aimed at an edge that juts into the room may hit the wall behind it, from behind: their
+        // distances differ by less than rounding.
+        bound: |_| Bound { failures: 2e-3, p99: None },
         methods: trials(leave_walls, &[Method::default("inset point", true), Method::other("point", false)]),
         ..common()
     }]

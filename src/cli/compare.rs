@@ -44,7 +44,7 @@ pub struct Options {
     /// Worker threads [default: all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Only print a hash of each scene's film, equal on every machine.
+    /// Only print a hash of each scene's film, equal on every machine with FMA.
     #[arg(long, long_help = HASH)]
     hash: bool,
     /// Samples per pixel.

@@ -23,8 +23,9 @@ use std::process::ExitCode;
 ///
 /// With --pixel, prints the path of one sample of a frame of `octray compare`, in double precision (the
 /// reference) beside single precision (the engine): at each vertex the hit, the lobe that scatters, the
-/// throughput on arrival, what is emitted, what next event estimation adds (0: occluded), and the radiance so
-/// far. The reference has no next event estimation: with --lights off both columns compute the same.
+/// throughput on arrival, what emission and next event estimation (0: occluded) add to the pixel, and the
+/// radiance so far. The reference has no next event estimation: with --lights off both columns compute the
+/// same.
 #[derive(Debug, clap::Parser)]
 #[command(mut_args(of_pixel))]
 #[command(after_help = "Examples:\n  octray inspect builtin:three --json\n  \
@@ -33,7 +34,7 @@ pub struct Options {
     #[arg(value_name = "SCENE", help = SCENE)]
     scene: OsString,
     /// Also print the reasons for the traversal and the default methods.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "pixel")]
     why: bool,
     /// Print the report as JSON (schema octray-inspect-1, reasons included; of a path octray-path-1).
     #[arg(long)]
@@ -80,7 +81,8 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
     let Settings { resolution, max_bounces, seed, methods, .. } = settings;
     let [right, bottom] = resolution.map(|side| side - 1);
     if x > right || y > bottom {
-        let instead = format!("the pixels of the picture go from 0,0 to {right},{bottom}");
+        let own = if options.frame.as_scene { "" } else { "; --as-scene takes the scene's own size" };
+        let instead = format!("the pixels of this size go from 0,0 to {right},{bottom}{own}");
         return Err(refuse("--pixel", format!("{x},{y}"), instead));
     }
     let of_reference = PathSettings { resolution, max_bounces, seed, sampler: methods.sampler };
@@ -88,7 +90,7 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
     let f32 = Renderer::new(&scene, settings).path([x, y], sample);
     let report = json!({
         "schema": "octray-path-1",
-        "scene": options.scene,
+        "scene": options.scene.to_string_lossy(),
         "pixel": [x, y],
         "sample": sample,
         // The first vertex with another primitive or lobe.
@@ -97,7 +99,8 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
         "f32": settings::json(&f32),
         "settings": settings::json(&RunSettings::of_picture(&settings)),
     });
-    out.text(&path::text(&report, &scene))?;
+    let own: Vec<String> = settings::own_size(&scene, &settings).into_iter().collect();
+    out.text(&(path::text(&report, &scene) + &settings::own_sizes(&own)))?;
     out.report(&report)?;
     Ok(ExitCode::SUCCESS)
 }

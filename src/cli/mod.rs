@@ -108,7 +108,7 @@ octray traces paths through scenes on the CPU, 8 or 16 rays at a time. Try:
   octray compare                                  check that SIMD and scalar agree, bit by bit
   octray render builtin:three -o three.png        a picture
   octray merge part-*.part -o picture.png         a picture from the shards of several runs
-  octray view                                     a window to walk through the scenes
+  octray view                                     walk through the scenes, live
   octray rays builtin:knot:100000                 rays per second, by traversal
   octray chart builtin:three -o charts            speed against accuracy, charted
   octray stability                                where methods fail, and which are robust

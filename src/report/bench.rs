@@ -300,15 +300,19 @@ pub fn summary(report: &Report, defaults: &RunSettings) -> String {
     let Some(first) = report.results.first() else { return String::new() };
     let rates = report.engines().map(|of_scene| {
         let name = of_scene[0].scene.trim_start_matches("builtin:");
-        format!("{name} {} fps", figure(of_scene[0].fps_median, 0))
+        let speedup =
+            of_scene[0].speedup.map_or(String::new(), |ratio| format!(" ({:.1} × scalar)", ratio.median));
+        format!("{name} {} fps{speedup}", figure(of_scene[0].fps_median, 0))
     });
+    let wrong = report.accuracy.iter().any(|a| a.mismatched_pixels + a.reference.mismatched_hits > 0);
+    let wrong = if wrong { "; PIXELS OR HITS ARE WRONG" } else { "" };
     let options = match report.settings.options(defaults) {
         none if none.is_empty() => none,
         options => format!("; {options}"),
     };
     let machine = &report.settings.machine;
     format!(
-        "\noctray bench: {}{}; {}{options}; {}, commit {}\n",
+        "\noctray bench: {}{}{wrong}; {}{options}; {}, commit {}\n",
         rates.collect::<Vec<_>>().join(", "),
         unreliable(report),
         engine_name(first.lanes, first.threads),
@@ -411,7 +415,9 @@ mod tests {
         assert!(told(&report).ends_with(", on a busy machine: not reliable. "), "{}", told(&report));
         let summary = summary(&report, &report.settings);
         assert!(
-            summary.contains("same 100 fps, on a busy machine: not reliable; 8 lanes, 2 threads;"),
+            summary.contains(
+                "same 100 fps (6.0 × scalar), on a busy machine: not reliable; 8 lanes, 2 threads;"
+            ),
             "{summary}"
         );
         report.results.iter_mut().for_each(|result| *result = self::result("same", 99, 90.0));

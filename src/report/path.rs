@@ -12,7 +12,15 @@ const ROWS: [&str; 8] =
 
 /// The JSON report as text for people. Rows that say nothing are left out.
 pub fn text(report: &Value, scene: &Scene) -> String {
-    let mut text = row(&WIDTHS, ["", "f64: reference", "", "", "f32: engine"]);
+    let settings = &report["settings"];
+    let whole = |value: &Value| value.as_u64().unwrap_or_default();
+    let [x, y] = [0, 1].map(|at| whole(&report["pixel"][at]));
+    let [width, height] = [0, 1].map(|at| whole(&settings["size"][at]));
+    let mut text = format!(
+        "pixel {x},{y} of {width}×{height}, sample {}, up to {} bounces, seed {}\n\n",
+        report["sample"], settings["bounces"], settings["seed"]
+    );
+    text += &row(&WIDTHS, ["", "f64: reference", "", "", "f32: engine"]);
     let count = ["f64", "f32"].map(|key| report[key].as_array().map_or(0, Vec::len));
     for at in 0..count[0].max(count[1]) {
         let vertices = ["f64", "f32"].map(|key| &report[key][at]);
@@ -29,7 +37,10 @@ pub fn text(report: &Value, scene: &Scene) -> String {
             }
         }
     }
-    text
+    let samples_lights = list_of(&report["f32"]).any(|vertex| !vertex["light"].is_null());
+    let note =
+        "\nThe engine samples lights, the reference does not: --lights off makes both compute the same.\n";
+    text + if samples_lights { note } else { "\n" }
 }
 
 /// What a vertex is on, and how the path leaves it.
@@ -41,6 +52,10 @@ fn place(vertex: &Value, scene: &Scene) -> String {
     let material = &scene.materials[scene.primitive(primitive).material() as usize];
     let lobe = vertex["lobe"].as_str().unwrap_or("the path ends");
     format!("{list}[{index}], `{}` ({}), {lobe}", material.name, type_of(material.kind))
+}
+
+fn list_of(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_array().into_iter().flatten()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

@@ -155,7 +155,9 @@ fn bench_prints_a_row_a_scene_and_what_it_means() {
     let (table, summary) = said.trim_end().rsplit_once('\n').unwrap();
     assert_fits(table.split_once('\n').unwrap().1);
     let ways = format!("; {} lanes, 1 thread; ", octray::lane::NATIVE_WIDTH);
-    for words in ["octray bench: scene.json ", " fps, of too few frames: not reliable", &ways, ", commit "] {
+    for words in
+        ["octray bench: scene.json ", " × scalar), of too few frames: not reliable", &ways, ", commit "]
+    {
         assert!(summary.contains(words), "{words} is not in {summary}");
     }
 }

@@ -12,40 +12,42 @@ use glam::DVec3;
 const CLOSE: f64 = 1e-5;
 /// Light from farther away than so many sizes of a light is not asked for.
 const FAR: f64 = 1000.0;
-/// Pairs that are looked at before an overlap is assumed.
-const MAX_PAIRS: usize = 100_000_000;
+/// Pairs of boxes, and of primitives whose boxes are close, that are looked at before an overlap is assumed.
+const MAX_PAIRS: [usize; 2] = [100_000_000, 1_000_000];
 
 /// Whether some light shares a piece of surface with another primitive. Edges and corners do not count.
 pub(super) fn exist(scene: &Scene, is_light: impl Fn(usize) -> bool) -> bool {
-    let count = scene.primitives();
+    let boxes: Vec<[DVec3; 2]> = scene.all_primitives().map(|primitive| primitive.extent()).collect();
     let (lower, upper) = scene.bounds();
     let diagonal = (upper - lower).length();
-    let boxes: Vec<[DVec3; 2]> = scene.all_primitives().map(|one| one.extent()).collect();
+    let rounding =
+        |[lower, upper]: [DVec3; 2]| f64::from(EPSILON) * 16.0 * lower.abs().max(upper.abs()).max_element();
     let close = |number: usize| {
         let [lower, upper] = boxes[number];
-        let rounding = f64::from(EPSILON) * 16.0 * lower.abs().max(upper.abs()).max_element();
-        CLOSE * diagonal.min(FAR * (upper - lower).length()) + rounding
+        if is_light(number) { CLOSE * diagonal.min(FAR * (upper - lower).length()) } else { 0.0 }
     };
+    let most = CLOSE * diagonal + 2.0 * rounding([lower, upper]);
     // Along x, the boxes in the order of their lower ends.
-    let mut order: Vec<usize> = (0..count).collect();
+    let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by(|&one, &other| boxes[one][0].x.total_cmp(&boxes[other][0].x));
-    let mut open: Vec<usize> = Vec::new();
-    let mut pairs = 0;
+    let (mut open, mut pairs): (Vec<usize>, _) = (Vec::new(), [0; 2]);
     for &number in &order {
         let [lower, upper] = boxes[number];
-        let own = close(number);
-        open.retain(|&other| boxes[other][1].x >= lower.x - own.max(close(other)));
-        pairs += open.len();
-        if pairs > MAX_PAIRS {
-            return (0..count).any(&is_light);
-        }
+        open.retain(|&other| boxes[other][1].x >= lower.x - most);
+        pairs[0] += open.len();
         for &other in &open {
-            let lights = [is_light(number), is_light(other)];
-            let within = own.max(close(other));
             let apart = (boxes[other][0] - upper).max(lower - boxes[other][1]).max_element();
-            if lights != [false; 2] && apart <= within && share_surface(scene, [number, other], within) {
+            if apart > most || !is_light(number) && !is_light(other) {
+                continue;
+            }
+            let within = close(number).max(close(other)) + rounding(boxes[number]) + rounding(boxes[other]);
+            pairs[1] += 1;
+            if apart <= within && share_surface(scene, [number, other], within) {
                 return true;
             }
+        }
+        if pairs[0] > MAX_PAIRS[0] || pairs[1] > MAX_PAIRS[1] {
+            return (0..boxes.len()).any(is_light);
         }
         open.push(number);
     }
@@ -59,7 +61,9 @@ fn share_surface(scene: &Scene, pair: [usize; 2], within: f64) -> bool {
             let distance = (one.center.as_dvec3() - other.center.as_dvec3()).length();
             (distance - f64::from(one.radius - other.radius).abs()).abs() < within
         }
-        [Primitive::Triangle(one), Primitive::Triangle(other)] => covers(one, other, within),
+        [Primitive::Triangle(one), Primitive::Triangle(other)] => {
+            covers(one, other, within) || covers(other, one, within)
+        }
         _ => false,
     }
 }
@@ -69,6 +73,9 @@ fn covers(one: &Triangle, other: &Triangle, within: f64) -> bool {
     let corners = one.vertices.map(|vertex| vertex.as_dvec3());
     let [a, b, c] = corners;
     let n = (b - a).cross(c - a).normalize();
+    let perimeter = (b - a).length() + (c - b).length() + (a - c).length();
+    let inradius = (b - a).cross(c - a).length() / perimeter;
+    let margin = (4.0 * within).min(0.1 * inradius);
     // What is left of the other one between two planes, and within the edges moved inwards.
     let mut rest = other.vertices.map(|vertex| vertex.as_dvec3()).to_vec();
     clip(&mut rest, |point| within - (point - a).dot(n));
@@ -76,7 +83,7 @@ fn covers(one: &Triangle, other: &Triangle, within: f64) -> bool {
     for edge in 0..3 {
         let [from, to] = [corners[edge], corners[(edge + 1) % 3]];
         let inward = n.cross(to - from).normalize();
-        clip(&mut rest, |point| (point - from).dot(inward) - 4.0 * within);
+        clip(&mut rest, |point| (point - from).dot(inward) - margin);
     }
     !rest.is_empty()
 }

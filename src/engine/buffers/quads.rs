@@ -20,6 +20,9 @@ const TOLERANCE: f64 = 8.0 / 16_777_216.0;
 /// Edges are at least so many tolerances long: then areas and normals of both triangles agree.
 const MIN_EDGE: f64 = 1e4;
 
+/// Triangles at one edge among which the other half is looked for.
+const MAX_CANDIDATES: usize = 16;
+
 /// For each triangle with `power` the other half of its parallelogram, if it has one. No triangle is a half
 /// of two.
 pub(super) fn find(scene: &Scene, power: impl Fn(usize) -> f64) -> HashMap<usize, Half> {
@@ -36,7 +39,7 @@ pub(super) fn find(scene: &Scene, power: impl Fn(usize) -> f64) -> HashMap<usize
                     && scene.triangles[other].material == triangle.material
                     && is_parallelogram(triangle, corner, &scene.triangles[other], opposite)
             };
-            others.iter().find(fits).map(|&(other, opposite)| (corner, other, opposite))
+            others.iter().take(MAX_CANDIDATES).find(fits).map(|&(other, opposite)| (corner, other, opposite))
         };
         let found = (0..3).find_map(match_at);
         if let Some((corner, other, opposite)) = found {

@@ -109,7 +109,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let end = sample.n.mul_add(light.offset, sample.wi * sample.t);
     let length = end.dot(end).sqrt();
     let far = !sample.t.is_finite();
-    let direction = Vec3::select(far, sample.wi, end * (L::one() / length));
+    let mut direction = Vec3::select(far, sample.wi, end * (L::one() / length));
     let mut t_max = L::select(far, sample.t, length * L::splat(1.0 - SHADOW_EPSILON));
     if hits_decide {
         let mut cone = Cone::none();
@@ -117,7 +117,8 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
             cone = scattered_cone(path, surface, material, L::Mask::splat(false));
         }
         scratch.shadow_queue.store_light(count, carries, light.index, cone);
-        t_max = L::splat(f32::INFINITY);
+        // The ray that BSDF sampling would see, so that both find the same hit.
+        (direction, t_max) = (sample.wi, L::splat(f32::INFINITY));
     }
     scratch.shadow_queue.store(count, carries, &Ray { origin, direction }, t_max, radiance, path.slot);
     count + carries.count()

@@ -13,8 +13,8 @@ use crate::scene::{Primitive, Scene, Sphere, Triangle};
 use glam::DVec3;
 
 /// How far beyond a plane or sphere a surface may reach that counts as on its near side, as a multiple of the
-/// largest coordinate: what rounding of a wall's vertices does to its plane. Rays leave surfaces four times
-/// as far above them ([`crate::kernel::surface::triangle_offset`]).
+/// largest coordinate, of a light its own: what rounding of a wall's vertices does to its plane. Rays leave
+/// surfaces four times as far above them ([`crate::kernel::surface::triangle_offset`]).
 const TOLERANCE: f64 = 4.0 * (f32::EPSILON / 2.0) as f64;
 
 /// The primitives that can occlude a light, where some cannot.
@@ -61,8 +61,8 @@ struct Surfaces {
     balls: Vec<(DVec3, f64, bool)>,
     /// The sphere that is the only light.
     only_light: Option<usize>,
-    /// [`TOLERANCE`] in units of the scene.
-    tolerance: f64,
+    /// The largest coordinate.
+    largest: f64,
 }
 
 impl Surfaces {
@@ -75,9 +75,14 @@ impl Surfaces {
         let largest = balls.iter().map(|(center, radius, _)| center.abs().max_element() + radius);
         Self {
             only_light: (0..scene.spheres.len()).find(|&number| lights.len() == 1 && is_light(number)),
-            tolerance: TOLERANCE * largest.fold(0.0, f64::max),
+            largest: largest.fold(0.0, f64::max),
             balls,
         }
+    }
+
+    /// [`TOLERANCE`] in units of the scene.
+    fn tolerance(&self, (center, radius, is_light): (DVec3, f64, bool)) -> f64 {
+        TOLERANCE * if is_light { center.abs().max_element() + radius } else { self.largest }
     }
 
     /// Whether a primitive may come between a surface and a light.
@@ -92,7 +97,7 @@ impl Surfaces {
     /// Whether a sphere has all surfaces inside: it is convex, so that no ray between them leaves it.
     fn are_inside(&self, sphere: &Sphere) -> bool {
         let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
-        self.balls.iter().all(|&(other, r, _)| other.distance(center) + r <= radius + self.tolerance)
+        self.balls.iter().all(|&ball| ball.0.distance(center) + ball.1 <= radius + self.tolerance(ball))
     }
 
     /// Whether some surface and some light lie on different sides of a triangle's plane.
@@ -101,10 +106,11 @@ impl Surfaces {
         let normal = (b - a).cross(c - a).normalize();
         // By side: whether any surface reaches there, and any light.
         let (mut surfaces, mut lights) = ([false; 2], [false; 2]);
-        for &(center, radius, is_light) in &self.balls {
+        for &ball in &self.balls {
+            let ((center, radius, is_light), tolerance) = (ball, self.tolerance(ball));
             let distance = normal.dot(center - a);
             for (side, reach) in [radius - distance, radius + distance].into_iter().enumerate() {
-                let reaches = reach > self.tolerance;
+                let reaches = reach > tolerance;
                 surfaces[side] |= reaches;
                 lights[side] |= reaches && is_light;
             }

@@ -124,8 +124,7 @@ impl Lights {
         halves.iter().for_each(|(&triangle, half)| diagonals[triangle] = half.corner as u8 + 1);
         let corner = |number: usize| halves.get(&number.wrapping_sub(quadrics)).map(|half| half.corner);
         let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
-        let is_textured = |number: &&usize| has_texture(scene, **number);
-        let hits_decide = lights.iter().find(is_textured).is_some()
+        let hits_decide = lights.iter().any(|&number| has_texture(scene, number))
             || overlaps::exist(scene, |number| powers[number] > 0.0);
         let primitives_of = |&number: &usize| match number {
             sky if sky == primitives => [MISS; 2],

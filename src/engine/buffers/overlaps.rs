@@ -22,34 +22,31 @@ pub(super) fn exist(scene: &Scene, is_light: impl Fn(usize) -> bool) -> bool {
     let diagonal = (upper - lower).length();
     let rounding =
         |[lower, upper]: [DVec3; 2]| f64::from(EPSILON) * 16.0 * lower.abs().max(upper.abs()).max_element();
-    let close = |number: usize| {
-        let [lower, upper] = boxes[number];
-        if is_light(number) { CLOSE * diagonal.min(FAR * (upper - lower).length()) } else { 0.0 }
-    };
     let most = CLOSE * diagonal + 2.0 * rounding([lower, upper]);
-    // Along x, the boxes in the order of their lower ends.
-    let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|&one, &other| boxes[one][0].x.total_cmp(&boxes[other][0].x));
-    let (mut open, mut pairs): (Vec<usize>, _) = (Vec::new(), [0; 2]);
-    for &number in &order {
-        let [lower, upper] = boxes[number];
-        open.retain(|&other| boxes[other][1].x >= lower.x - most);
-        pairs[0] += open.len();
-        for &other in &open {
-            let apart = (boxes[other][0] - upper).max(lower - boxes[other][1]).max_element();
-            if apart > most || !is_light(number) && !is_light(other) {
+    // Along x, the lights in the order of their lower ends.
+    let mut lights: Vec<usize> = (0..boxes.len()).filter(|&number| is_light(number)).collect();
+    lights.sort_by(|&one, &other| boxes[one][0].x.total_cmp(&boxes[other][0].x));
+    let widest = lights.iter().map(|&light| boxes[light][1].x - boxes[light][0].x).fold(0.0, f64::max);
+    let mut pairs = [0; 2];
+    for (number, &[lower, upper]) in boxes.iter().enumerate() {
+        let first = lights.partition_point(|&light| boxes[light][0].x < lower.x - widest - most);
+        let end = lights.partition_point(|&light| boxes[light][0].x <= upper.x + most);
+        pairs[0] += end - first;
+        for &light in lights[first..end].iter().filter(|&&light| light != number) {
+            let [from, to] = boxes[light];
+            let close = CLOSE * diagonal.min(FAR * (to - from).length());
+            let within = close + rounding([lower, upper]) + rounding([from, to]);
+            if (from - upper).max(lower - to).max_element() > within {
                 continue;
             }
-            let within = close(number).max(close(other)) + rounding(boxes[number]) + rounding(boxes[other]);
             pairs[1] += 1;
-            if apart <= within && share_surface(scene, [number, other], within) {
+            if share_surface(scene, [number, light], within) {
                 return true;
             }
         }
         if pairs[0] > MAX_PAIRS[0] || pairs[1] > MAX_PAIRS[1] {
-            return (0..boxes.len()).any(is_light);
+            return true;
         }
-        open.push(number);
     }
     false
 }

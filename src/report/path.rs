@@ -37,7 +37,8 @@ pub fn text(report: &Value, scene: &Scene) -> String {
             }
         }
     }
-    let samples_lights = list_of(&report["f32"]).any(|vertex| !vertex["light"].is_null());
+    let mut engine = report["f32"].as_array().into_iter().flatten();
+    let samples_lights = engine.any(|vertex| !vertex["light"].is_null());
     let note =
         "\nThe engine samples lights, the reference does not: --lights off makes both compute the same.\n";
     text + if samples_lights { note } else { "\n" }
@@ -52,10 +53,6 @@ fn place(vertex: &Value, scene: &Scene) -> String {
     let material = &scene.materials[scene.primitive(primitive).material() as usize];
     let lobe = vertex["lobe"].as_str().unwrap_or("the path ends");
     format!("{list}[{index}], `{}` ({}), {lobe}", material.name, type_of(material.kind))
-}
-
-fn list_of(value: &Value) -> impl Iterator<Item = &Value> {
-    value.as_array().into_iter().flatten()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! The law of lamps: the choice of estimator never changes a mean, however lamps touch, overlap and repeat.
 
+use crate::common::statistics::mean_and_error;
 use crate::common::*;
 
 /// A lamp or a panel for a random scene: on one of two planes, so that many share one, or around one of two
@@ -52,15 +53,11 @@ fn lamps(rng: &mut Rng) -> Scene {
     scene
 }
 
-/// The mean of a picture's red channel, and its squared standard error.
-fn mean_of(scene: &Scene, lights: LightChoice, samples: u32) -> [f64; 2] {
+/// The mean of a picture's red channel, and its standard error.
+fn mean_of(scene: &Scene, lights: LightChoice, samples: u32) -> (f64, f64) {
     let methods = Methods { lights, sampler: Sampler::Random, ..Methods::default() };
     let picture = render(scene, Settings { methods, ..Settings::of(scene) }, samples);
-    let count = picture.pixels.len() as f64;
-    let values = || picture.pixels.iter().map(|pixel| f64::from(pixel[0]));
-    let mean = values().sum::<f64>() / count;
-    let variance = values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    [mean, variance / count]
+    mean_and_error(&picture.pixels.iter().map(|pixel| f64::from(pixel[0])).collect::<Vec<_>>())
 }
 
 fn means_agree(scenes: u64, samples: u32) {
@@ -70,10 +67,10 @@ fn means_agree(scenes: u64, samples: u32) {
         let lights = Lights::new(&scene, LightChoice::On);
         deciding += u32::from(lights.hits_decide());
         textured += u32::from(scene.triangles.iter().any(|triangle| triangle.material > 2));
-        let [sought, sought_error] = mean_of(&scene, LightChoice::On, samples);
-        let [hit, hit_error] = mean_of(&scene, LightChoice::Off, 4 * samples);
+        let (sought, sought_error) = mean_of(&scene, LightChoice::On, samples);
+        let (hit, hit_error) = mean_of(&scene, LightChoice::Off, 4 * samples);
         let apart = (sought - hit).abs();
-        let error = (sought_error + hit_error).sqrt();
+        let error = sought_error.hypot(hit_error);
         assert!(apart <= 4.0 * error + 1e-6, "scene {number}: {sought} and {hit}, {} errors", apart / error);
     }
     assert!(u64::from(textured.min(deciding)) > scenes / 4, "{textured} with textures, {deciding} deciding");

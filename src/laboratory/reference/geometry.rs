@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 const BOUND: f64 = 40.0 / 16_777_216.0;
 
 /// A primitive in double precision.
-pub(super) trait Primitive: Send + Sync {
+pub(super) trait Primitive {
     /// The smallest t > 0 at which a ray hits it, and barycentric weights: see [`Hit`].
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)>;
     /// The surface at a hit at `point`.
@@ -27,10 +27,48 @@ pub(super) trait Primitive: Send + Sync {
     }
 }
 
+/// A primitive of either kind. The loops over a mesh read one list, and no test is called through a pointer.
+pub(super) enum Shape {
+    Sphere(Sphere),
+    Triangle(Triangle),
+}
+
+macro_rules! of_its_kind {
+    ($self:ident.$function:ident($($argument:ident),*)) => {
+        match $self {
+            Self::Sphere(sphere) => sphere.$function($($argument),*),
+            Self::Triangle(triangle) => triangle.$function($($argument),*),
+        }
+    };
+}
+
+impl Primitive for Shape {
+    #[inline(always)]
+    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
+        of_its_kind!(self.hit(origin, direction))
+    }
+    fn surface(&self, point: DVec3, u: f64, v: f64) -> Surface {
+        of_its_kind!(self.surface(point, u, v))
+    }
+    fn bound(&self, origin: DVec3, unit: DVec3) -> f64 {
+        of_its_kind!(self.bound(origin, unit))
+    }
+    fn distance(&self, point: DVec3) -> f64 {
+        of_its_kind!(self.distance(point))
+    }
+    #[inline(always)]
+    fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
+        of_its_kind!(self.crossings(origin, unit))
+    }
+    fn off_ray(&self, origin: DVec3, unit: DVec3, u: f64, v: f64) -> Option<f64> {
+        of_its_kind!(self.off_ray(origin, unit, u, v))
+    }
+}
+
 /// The primitives of a scene by their numbers; every single-precision number converts exactly.
-pub(super) fn primitives(scene: &Scene) -> Vec<Box<dyn Primitive>> {
-    let spheres = scene.spheres.iter().map(|sphere| -> Box<dyn Primitive> {
-        Box::new(Sphere {
+pub(super) fn primitives(scene: &Scene) -> Vec<Shape> {
+    let spheres = scene.spheres.iter().map(|sphere| {
+        Shape::Sphere(Sphere {
             center: sphere.center.as_dvec3(),
             radius: f64::from(sphere.radius),
             turn: f64::from(sphere.texture_turn),
@@ -38,9 +76,9 @@ pub(super) fn primitives(scene: &Scene) -> Vec<Box<dyn Primitive>> {
             material: sphere.material as usize,
         })
     });
-    let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| -> Box<dyn Primitive> {
+    let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| {
         let (uvs, normals) = (scene.uvs.get(index), scene.normals.get(index));
-        Box::new(Triangle {
+        Shape::Triangle(Triangle {
             vertices: triangle.vertices.map(|vertex| vertex.as_dvec3()),
             uvs: uvs.map_or([DVec2::ZERO; 3], |uvs| uvs.map(|uv| uv.as_dvec2())),
             normals: normals.map_or([DVec3::ZERO; 3], |normals| normals.map(|n| n.as_dvec3())),
@@ -50,7 +88,7 @@ pub(super) fn primitives(scene: &Scene) -> Vec<Box<dyn Primitive>> {
     spheres.chain(triangles).collect()
 }
 
-struct Sphere {
+pub(super) struct Sphere {
     center: DVec3,
     radius: f64,
     turn: f64,
@@ -58,7 +96,7 @@ struct Sphere {
     material: usize,
 }
 
-struct Triangle {
+pub(super) struct Triangle {
     vertices: [DVec3; 3],
     uvs: [DVec2; 3],
     /// Unit vertex normals, or zeros.
@@ -135,6 +173,7 @@ pub fn hit_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -
 }
 
 impl Primitive for Sphere {
+    #[inline(always)]
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
         hit_sphere(self.center, self.radius, origin, direction).map(|t| (t, 0.0, 0.0))
     }
@@ -173,6 +212,7 @@ impl Primitive for Sphere {
     }
 
     /// None, or two: entry and exit.
+    #[inline(always)]
     fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
         let bound = self.bound(origin, unit);
         let to_center = self.center - origin;
@@ -208,6 +248,7 @@ impl Primitive for Triangle {
     /// a common edge compute the same volume for it, bit for bit, with opposite signs, so no ray passes
     /// between them. (Plücker coordinates; see Shoemake, "Plücker Coordinate Tutorial", Ray Tracing News
     /// 11(1), 1998.)
+    #[inline(always)]
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
         let [a, b, c] = self.vertices.map(|vertex| vertex - origin);
         let weights = [c.cross(b).dot(direction), a.cross(c).dot(direction), b.cross(a).dot(direction)];
@@ -277,6 +318,7 @@ impl Primitive for Triangle {
     }
 
     /// None or one.
+    #[inline(always)]
     fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
         let [a, b, c] = self.across(origin, unit);
         let sides = [a.cross(b).dot(unit), b.cross(c).dot(unit), c.cross(a).dot(unit)];

@@ -33,7 +33,7 @@
 //! before by *Russian roulette*. `octray inspect SCENE --pixel X,Y` prints a path, of this file and of the
 //! engine, on the same random numbers.
 
-use super::geometry::Surface;
+use super::geometry::{Primitive, Surface};
 use super::scene::Reference;
 use super::{lobes, texture};
 use crate::path_vertex::{PathVertex, lobe};

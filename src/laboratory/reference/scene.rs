@@ -1,6 +1,6 @@
 //! The scene in double precision, and the closest hit of a ray.
 
-use super::geometry::{self, Hit, Primitive};
+use super::geometry::{self, Hit, Primitive, Shape};
 use super::texture;
 use crate::scene::{Camera, Material, Scene, Sky};
 use glam::{DVec2, DVec3};
@@ -11,7 +11,7 @@ pub struct Reference {
     pub(super) sky: Sky,
     pub(super) materials: Vec<Material>,
     textures: Vec<texture::Levels>,
-    pub(super) primitives: Vec<Box<dyn Primitive>>,
+    pub(super) primitives: Vec<Shape>,
 }
 
 impl Reference {

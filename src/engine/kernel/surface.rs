@@ -71,7 +71,7 @@ pub fn near_edge(vertices: [glam::Vec3; 3], offset: f32) -> f32 {
 ///
 /// Error: the point moves by at most eight offsets, on slivers by a sixteenth of an edge.
 ///
-/// Inlined: a call costs 5 % of the frames of scenes without a triangle, whose registers it takes.
+/// Inlined: a call costs 2 to 5 % of the frames of scenes without a triangle, whose registers it takes.
 #[inline(always)]
 pub fn inset<L: Lane>((u, v): (L, L), [ab, ac]: [Vec3<L>; 2], offset: L) -> (L, L) {
     let length = |v: Vec3<L>| v.dot(v).sqrt();

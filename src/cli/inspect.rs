@@ -11,6 +11,7 @@ use crate::render::{Renderer, Settings};
 use crate::report::inspection::Inspection;
 use crate::report::path;
 use crate::report::settings::{self, RunSettings};
+use crate::scene::point_in_file;
 use serde_json::json;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -86,8 +87,18 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
         return Err(refuse("--pixel", format!("{x},{y}"), instead));
     }
     let of_reference = PathSettings { resolution, max_bounces, seed, sampler: methods.sampler };
-    let f64 = Reference::new(&scene).vertices(of_reference, x, y, sample);
+    let mut f64 = Reference::new(&scene).vertices(of_reference, x, y, sample);
     let f32 = Renderer::new(&scene, settings).path([x, y], sample);
+    let mut of_engine = settings::json(&f32);
+    let coordinates = scene.coordinates;
+    for vertex in f64.iter_mut().filter(|vertex| vertex.primitive.is_some()) {
+        vertex.point = coordinates.to_file(vertex.point.into()).into();
+        vertex.distance *= coordinates.unit;
+    }
+    for (at, vertex) in f32.iter().enumerate().filter(|(_, vertex)| vertex.primitive.is_some()) {
+        of_engine[at]["point"] = json!(point_in_file(vertex.point.into(), &coordinates).to_array());
+        of_engine[at]["distance"] = settings::json(&(vertex.distance * coordinates.unit as f32));
+    }
     let report = json!({
         "schema": "octray-path-1",
         "scene": options.scene.to_string_lossy(),
@@ -96,7 +107,7 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
         // The first vertex with another primitive or lobe.
         "part_at": f64.iter().zip(&f32).position(|(a, b)| (a.primitive, a.lobe) != (b.primitive, b.lobe)),
         "f64": f64,
-        "f32": settings::json(&f32),
+        "f32": of_engine,
         "settings": settings::json(&RunSettings::of_picture(&settings)),
     });
     let own: Vec<String> = settings::own_size(&scene, &settings).into_iter().collect();

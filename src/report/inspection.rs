@@ -6,12 +6,15 @@ use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
 use super::numbers::bytes;
 use super::text::item;
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
-use crate::scene::{Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, View};
+use crate::scene::{
+    Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, View, point_in_file,
+};
 use crate::traverse::features_of;
 use crate::wording::{counted, grouped};
 use glam::Vec3;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
+use std::fmt::Display;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -40,6 +43,10 @@ pub struct Inspection {
     /// In the order of the scene.
     textures: Vec<TextureReport>,
     sky: SkyReport,
+    /// The point of the file relative to which coordinates are rounded, and a length of 1 in single
+    /// precision.
+    origin: PointReport,
+    unit: f64,
     camera: CameraReport,
     /// The box around everything; `None` for a scene of sky alone.
     bounds: Option<Bounds>,
@@ -92,19 +99,21 @@ struct LightReport {
 
 #[derive(Debug, Serialize)]
 struct CameraReport {
-    position: Vec3Report,
-    look_at: Vec3Report,
+    position: PointReport,
+    look_at: PointReport,
     up: Vec3Report,
     vertical_fov: f32,
 }
 
 #[derive(Debug, Serialize)]
 struct Bounds {
-    lower: Vec3Report,
-    upper: Vec3Report,
+    lower: PointReport,
+    upper: PointReport,
 }
 
 type Vec3Report = [f32; 3];
+/// A point, in the coordinates of the file.
+type PointReport = [f64; 3];
 
 /// What a view says besides its camera.
 #[derive(Debug, Serialize)]
@@ -119,6 +128,7 @@ impl Inspection {
     pub fn of(spec: String, scene: &Loaded) -> Self {
         let traversal = TraversalReport::of(scene);
         let lights = Lights::new(scene, LightChoice::default());
+        let in_file = |point| point_in_file(point, &scene.coordinates).into();
         Self {
             schema: "octray-inspect-1",
             scene: spec,
@@ -136,15 +146,17 @@ impl Inspection {
             materials: materials(&scene.materials),
             textures: scene.textures.iter().map(TextureReport::of).collect(),
             sky: SkyReport::of(scene),
+            origin: scene.coordinates.origin.into(),
+            unit: scene.coordinates.unit,
             camera: CameraReport {
-                position: scene.camera.position.into(),
-                look_at: scene.camera.look_at.into(),
+                position: in_file(scene.camera.position),
+                look_at: in_file(scene.camera.look_at),
                 up: scene.camera.up.into(),
                 vertical_fov: scene.camera.vertical_fov,
             },
             bounds: (scene.primitives() > 0).then(|| scene.bounds()).map(|(lower, upper)| Bounds {
-                lower: lower.as_vec3().into(),
-                upper: upper.as_vec3().into(),
+                lower: in_file(lower.as_vec3()),
+                upper: in_file(upper.as_vec3()),
             }),
             needs: Features::of(scene).with(features_of(scene)).with(lights.needs()).names(),
             lights: LightReport::of(scene, &lights),
@@ -190,6 +202,9 @@ impl Inspection {
             .as_ref()
             .map(|bounds| format!("{} to {}", vector(bounds.lower), vector(bounds.upper)));
         lines.push(("bounds", bounds.unwrap_or_else(|| "none: the scene is sky alone".into())));
+        let unit = if self.unit == 1.0 { String::new() } else { format!(", in units of {:e}", self.unit) };
+        let origin = vector(self.origin);
+        lines.push(("origin", format!("{origin}: coordinates are rounded relative to it{unit}")));
         lines.push(("needs", self.needs.join(", ")));
         lines.push(("lights", self.lights.text()));
         lines.push(("memory", bytes(self.memory_bytes as u64)));
@@ -364,6 +379,6 @@ fn memory(scene: &Scene) -> usize {
         + size_of_val(&scene.materials[..])
 }
 
-fn vector([x, y, z]: Vec3Report) -> String {
+fn vector<T: Display>([x, y, z]: [T; 3]) -> String {
     format!("({x}, {y}, {z})")
 }

@@ -6,6 +6,7 @@ mod folder;
 #[path = "../common/openexr.rs"]
 mod openexr;
 
+mod coordinates;
 mod errors;
 mod files;
 mod gltf;

@@ -1,5 +1,6 @@
 //! OBJ and MTL: what they mean as scenes and as meshes in scenes, and the way back to a scene file.
 
+use super::coordinates::in_file;
 use crate::folder::Folder;
 use glam::{Vec2, Vec3, vec3};
 use octray::scene::{Material, MaterialKind, Scene, SceneError, Sky, Texels, Triangle, convert_model, load};
@@ -7,7 +8,7 @@ use std::path::Path;
 
 fn load_obj(text: impl AsRef<[u8]>) -> Scene {
     let folder = Folder::new();
-    folder.load("m.obj", text).unwrap_or_else(|error| panic!("{error}"))
+    in_file(folder.load("m.obj", text).unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// The model of one triangle that uses a library's material `a`.
@@ -441,7 +442,7 @@ fn load_mesh(folder: &Folder, mesh: &str) -> Scene {
         r#"{{ "format": "octray-1", "materials": {{ "red": {{ "type": "diffuse", "color": [1,0,0] }} }},
             "meshes": [ {mesh} ] }}"#
     );
-    folder.load("scene.json", text).unwrap_or_else(|error| panic!("{error}"))
+    in_file(folder.load("scene.json", text).unwrap_or_else(|error| panic!("{error}")))
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! PLY models: the three encodings, and files that lie.
 
+use super::coordinates::in_file;
 use crate::folder::Folder;
 use crate::obj::area;
 use glam::{Vec2, Vec3, vec3};
@@ -12,7 +13,7 @@ fn read_bytes(content: &[u8]) -> Result<Scene, String> {
     let folder = Folder::new();
     let path = folder.path("m.ply");
     fs::write(&path, content).unwrap();
-    load(path.to_str().unwrap()).map_err(|error| error.to_string())
+    load(path.to_str().unwrap()).map(in_file).map_err(|error| error.to_string())
 }
 
 /// Three encodings of the same numbers, each with its type.
@@ -210,7 +211,7 @@ fn placed_models_turn_their_normals_and_keep_their_coordinates() {
     let scene = r#"{ "format": "octray-1", "materials": { "p": { "type": "diffuse", "texture": "p.png" } }, "meshes": [
         { "model": "m.ply", "material": "p", "scale": 2, "rotate_degrees": [0, 0, 90], "translate": [0, 0, 1] } ] }"#;
     fs::write(&path, scene).unwrap();
-    let scene = load(path.to_str().unwrap()).unwrap();
+    let scene = in_file(load(path.to_str().unwrap()).unwrap());
     let turned = [[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 1.0]].map(Vec3::from);
     assert_eq!(scene.triangles[0].vertices, turned);
     assert_eq!(scene.uvs[0], [[0.25, 0.125], [0.5, 0.125], [0.25, 0.75]].map(Vec2::from), "v upwards");

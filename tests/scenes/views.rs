@@ -50,6 +50,7 @@ fn view_that_says_nothing_is_the_scene_itself() {
         assert_eq!(scene.name, "view.json");
         let nothing = View {
             scene: base.into(),
+            coordinates: scene.coordinates,
             camera: None,
             resolution: None,
             max_bounces: None,
@@ -70,9 +71,10 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
             "camera": { "position": [3.3,40,-5], "look_at": [0.1,0.2,0.3], "up": [0,0,-2], "vertical_fov": 12.7 }"#;
         let load_with = |more| folder.load("deep/view.json", view(&from_below(base), more)).unwrap();
         let scene = load_with(more);
+        let place = |point: [f64; 3]| own.coordinates.to_scene(point.into()).as_vec3();
         let camera = Camera {
-            position: vec3(3.3, 40.0, -5.0),
-            look_at: vec3(0.1, 0.2, 0.3),
+            position: place([3.3, 40.0, -5.0]),
+            look_at: place([0.1, 0.2, 0.3]),
             up: vec3(0.0, 0.0, -2.0),
             vertical_fov: 12.7,
         };
@@ -83,7 +85,7 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
         let scene = load_with(r#", "camera": { "vertical_fov": 20 }"#);
         assert_eq!(scene.camera, Camera { vertical_fov: 20.0, ..own.camera }, "{base}");
         let scene = load_with(r#", "camera": { "position": [9, 9, 9] }"#);
-        assert_eq!(scene.camera, Camera { position: Vec3::splat(9.0), ..own.camera }, "{base}");
+        assert_eq!(scene.camera, Camera { position: place([9.0; 3]), ..own.camera }, "{base}");
         assert_eq!((scene.resolution, scene.max_bounces), (own.resolution, own.max_bounces), "{base}");
     }
 }
@@ -123,12 +125,12 @@ fn written_views_read_back_in_every_bit() {
     let mut next = || loop {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let x = f32::from_bits(state.rotate_left(11));
-        if x.abs() <= 1e18 {
+        if x.abs() <= 1e12 {
             return x;
         }
     };
     let mut point = || Vec3::from_array(std::array::from_fn(|_| next()));
-    let zeros = [Vec3::splat(-0.0), vec3(-0.0, 0.0, 1.0), vec3(0.0, 1.0, -0.0)];
+    let zeros = [Vec3::ZERO, vec3(0.0, 0.0, 1.0), vec3(0.0, 1.0, -0.0)];
     let mut read = 0;
     for turn in 0..2_000 {
         let [position, look_at, up] = if turn == 0 { zeros } else { std::array::from_fn(|_| point()) };
@@ -144,7 +146,8 @@ fn written_views_read_back_in_every_bit() {
         let camera = Camera { position, look_at, up, vertical_fov };
         let keyframes = [3, u32::MAX].map(|frame| Keyframe { frame, camera }).to_vec();
         let view = View {
-            scene: "builtin:three".into(),
+            scene: "builtin:knot:18".into(),
+            coordinates: load("builtin:knot:18").unwrap().coordinates,
             camera: Some(camera),
             resolution: Some([16_384, 1]),
             max_bounces: Some(0),

@@ -18,6 +18,13 @@ impl Primitive<'_> {
             Self::Triangle(triangle) => triangle_bounds(triangle.vertices),
         }
     }
+    /// How far off its surface rays start that leave it: see [`sphere_offset`] and [`triangle_offset`].
+    pub fn offset(self) -> f32 {
+        match self {
+            Self::Sphere(sphere) => sphere_offset(sphere.center, sphere.radius),
+            Self::Triangle(triangle) => triangle_offset(triangle.vertices),
+        }
+    }
     /// The point of its surface at a hit near `near` or, of a triangle, of the weights `u` and `v`; the
     /// geometric unit normal there, and the offset of rays that leave it.
     pub fn surface(self, near: Vec3<f32>, [u, v]: [f32; 2]) -> (Vec3<f32>, Vec3<f32>, f32) {

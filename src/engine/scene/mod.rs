@@ -3,12 +3,14 @@
 //! For: [`Scene`], whose existence is the proof of validity, and its parts.
 
 mod camera;
+mod coordinates;
 mod framing;
 mod material;
 mod model;
 mod texture;
 
 pub use camera::{Camera, CameraFault, MIN_LENGTH};
+pub use coordinates::{Coordinates, MAX_COORDINATE};
 pub use material::{Material, MaterialKind};
 pub use model::*;
 pub use texture::{Filter, TexelKind, Texels, Texture, srgb_to_linear};

@@ -4,6 +4,7 @@
 //! hit them is in [`crate::traverse`].
 
 use super::camera::Camera;
+use super::coordinates::Coordinates;
 use super::material::Material;
 use super::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
@@ -13,12 +14,15 @@ use std::path::PathBuf;
 /// A valid scene: every index is in range, every number finite, every radius positive, no triangle has zero
 /// area.
 ///
-/// Units: lengths in scene units; y up, right-handed; colours linear RGB; radiance in the same units
-/// everywhere. (Not so the default, which lacks a camera and a resolution: others are made of it.)
+/// Units: lengths in scene units, see [`Coordinates`]; y up, right-handed; colours linear RGB; radiance in
+/// the same units everywhere. (Not so the default, which lacks a camera and a resolution: others are made of
+/// it.)
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Short name for tables: `builtin:three`, or the name of the file.
     pub name: String,
+    /// Where its coordinates stand in its file.
+    pub coordinates: Coordinates,
     /// Where it is seen from.
     pub camera: Camera,
     /// Pixels: width, height; each from 1 to [`MAX_SIDE`].
@@ -200,6 +204,16 @@ impl<'a> Primitive<'a> {
     pub fn extent(self) -> [DVec3; 2] {
         let boxes = self.balls().map(|(center, radius)| [center - radius, center + radius]);
         boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default()
+    }
+    /// The distance of a point from its surface, of a triangle from its plane.
+    pub fn distance(self, point: DVec3) -> f64 {
+        match self {
+            Self::Sphere(sphere) => (point.distance(sphere.center.into()) - f64::from(sphere.radius)).abs(),
+            Self::Triangle(triangle) => {
+                let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
+                (point - a).dot((b - a).cross(c - a).normalize()).abs()
+            }
+        }
     }
     /// The power that it emits, on all sides, at a radiance of 1; 0 where no light sampling exists for it.
     pub fn unit_power(self) -> f64 {

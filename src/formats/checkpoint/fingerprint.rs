@@ -34,6 +34,7 @@ impl Fingerprint {
         // Every field by name: whoever adds one decides whether it changes the picture.
         let Scene {
             name: _,
+            coordinates: _,
             camera,
             resolution: _,
             max_bounces: _,

@@ -3,14 +3,17 @@
 //! For: [`SceneBuilder`], which collects materials, textures and primitives and fills in defaults, and
 //! [`Attributes`].
 
-use super::check::has_area;
+use super::check::{has_area, warn_of_size};
 use super::error::SceneError;
 use super::files::Files;
 use super::notes::Notes;
+use super::placement::Placement;
 use super::texture::Textures;
 use super::vertex_colors::VertexColors;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use octray_engine::scene::{Camera, Filter, Material, MaterialKind, Scene, Sky, TexelKind, Triangle};
+use octray_engine::scene::{
+    Camera, Coordinates, Filter, Material, MaterialKind, Scene, Sky, TexelKind, Triangle,
+};
 use std::path::Path;
 
 /// Default resolution: the size at which speed is measured.
@@ -43,6 +46,7 @@ pub struct SceneBuilder {
     /// Per material: scene units that one repeat of the texture covers on a triangle without `uvs`.
     texture_sizes: Vec<f64>,
     default_material: Option<u32>,
+    has_coordinates: bool,
     pub textures: Textures,
     /// Materials, primitives and warnings so far.
     pub scene: Scene,
@@ -76,6 +80,30 @@ impl SceneBuilder {
             number
         })
     }
+    /// Sets the coordinates of the scene.
+    pub fn set_coordinates(&mut self, coordinates: Coordinates) {
+        self.scene.coordinates = coordinates;
+        self.has_coordinates = true;
+    }
+    /// From a model's points, which `placement` places in the file, to those of the scene. Without
+    /// coordinates, the scene gets some around the model's translation or else its first point.
+    pub fn within_scene(
+        &mut self,
+        placement: &Placement,
+        points: impl Iterator<Item = DVec3> + Clone,
+    ) -> Placement {
+        if !self.has_coordinates {
+            let points = points.map(|point| placement.point(point));
+            let origin = Some(placement.translate).filter(|translate| *translate != DVec3::ZERO);
+            let origin = origin.or_else(|| points.clone().next()).unwrap_or_default();
+            let size = points.map(|point| point.distance_squared(origin)).fold(0.0, f64::max).sqrt();
+            self.set_coordinates(Coordinates::around(origin, size));
+        }
+        let coordinates = &self.scene.coordinates;
+        let (scale, translate) =
+            (placement.scale / coordinates.unit, coordinates.to_scene(placement.translate));
+        Placement { rotation: placement.rotation, scale, translate }
+    }
     /// Adds a triangle and returns true, or returns false because it has no area. Texture coordinates are
     /// kept only if the material has textures, and vertex normals only if they differ from the geometric
     /// normal. Vertex colours are kept where the material can be [`Self::colored`].
@@ -95,7 +123,7 @@ impl SceneBuilder {
         };
         let is_textured = self.scene.materials[material as usize].textures().next().is_some();
         let size = self.texture_sizes[material as usize];
-        let uvs = is_textured.then(|| uvs.unwrap_or_else(|| planar_uvs(vertices, size)));
+        let uvs = is_textured.then(|| uvs.unwrap_or_else(|| self.planar_uvs(vertices, size)));
         let normals = attributes.normals.filter(|normals| is_smooth(vertices, *normals));
         push_at(&mut self.scene.uvs, before, uvs);
         push_at(&mut self.scene.normals, before, normals);
@@ -116,6 +144,26 @@ impl SceneBuilder {
         let colored = self.add_material(Material { texture, ..plain.clone() }, 1.0);
         self.colors.materials.insert(material, colored);
         Some(colored)
+    }
+    /// Planar texture coordinates for a triangle without any: positions in its plane, in
+    /// the file's coordinates, `size` of its units to one repeat.
+    ///
+    /// They depend only on the triangle's plane, so that the texture is continuous across coplanar
+    /// neighbours. On planes flatter than [`FLAT`] the texture's upper edge points to −z, and the texture is
+    /// not mirrored seen from above. On steeper planes the upper edge points to +y, and the texture is not
+    /// mirrored seen from +z or, where the normal has no z, from +x.
+    fn planar_uvs(&self, vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
+        let [a, b, c] = vertices.map(|vertex| self.scene.coordinates.to_file(vertex.as_dvec3()));
+        let n = (b - a).cross(c - a).normalize();
+        let flat = n.y.abs() > FLAT;
+        let (front, up) = if flat { (DVec3::Y, DVec3::NEG_Z) } else { (DVec3::new(0.3, 0.0, 1.0), DVec3::Y) };
+        let n = if n.dot(front) < 0.0 { -n } else { n };
+        let up = (up - n * n.dot(up)).normalize();
+        let right = up.cross(n);
+        let uvs = [a, b, c].map(|p| DVec2::new(p.dot(right), p.dot(up)) / size);
+        // Whole repeats are invisible; removing them leaves more digits of single precision for the fraction.
+        let whole = uvs[0].min(uvs[1]).min(uvs[2]).floor();
+        uvs.map(|uv| (uv - whole).as_vec2())
     }
     pub fn warn(&mut self, warning: impl Into<String>) {
         match self.scene.warnings.len() < MAX_WARNINGS {
@@ -177,10 +225,12 @@ impl SceneBuilder {
         if sky.is_black() && !self.scene.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }
+        self.scene.camera = camera;
+        warn_of_size(&self.scene).into_iter().for_each(|what| self.warn(what));
         if self.more_warnings > 0 {
             self.scene.warnings.push(format!("{} more warnings are left out.", self.more_warnings));
         }
-        Ok(Scene { name, camera, resolution, max_bounces, sky, textures: self.textures.list, ..self.scene })
+        Ok(Scene { name, resolution, max_bounces, sky, textures: self.textures.list, ..self.scene })
     }
 }
 
@@ -198,27 +248,6 @@ fn is_smooth(vertices: [Vec3; 3], normals: [Vec3; 3]) -> bool {
     let [a, b, c] = vertices.map(Vec3::as_dvec3);
     let flat = (b - a).cross(c - a).normalize();
     normals.iter().any(|normal| normal.as_dvec3().cross(flat).length() > 2e-4)
-}
-
-/// Planar texture coordinates for a triangle without any: positions in its plane, `size` scene units to one
-/// repeat.
-///
-/// They depend only on the triangle's plane, so that the texture is continuous across coplanar neighbours. On
-/// planes flatter than [`FLAT`] the texture's upper edge points to −z, and the texture is not mirrored seen
-/// from above. On steeper planes the upper edge points to +y, and the texture is not mirrored seen from +z
-/// or, where the normal has no z, from +x.
-fn planar_uvs(vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
-    let [a, b, c] = vertices.map(Vec3::as_dvec3);
-    let n = (b - a).cross(c - a).normalize();
-    let flat = n.y.abs() > FLAT;
-    let (front, up) = if flat { (DVec3::Y, DVec3::NEG_Z) } else { (DVec3::new(0.3, 0.0, 1.0), DVec3::Y) };
-    let n = if n.dot(front) < 0.0 { -n } else { n };
-    let up = (up - n * n.dot(up)).normalize();
-    let right = up.cross(n);
-    let uvs = [a, b, c].map(|p| DVec2::new(p.dot(right), p.dot(up)) / size);
-    // Whole repeats are invisible; removing them leaves more digits of single precision for the fraction.
-    let whole = uvs[0].min(uvs[1]).min(uvs[2]).floor();
-    uvs.map(|uv| (uv - whole).as_vec2())
 }
 
 /// Cosine of the steepest slope (40°) that is textured like a floor. Not a slope that people build: there,

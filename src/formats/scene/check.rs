@@ -1,11 +1,14 @@
 //! Bounds and checks of numbers that every format shares.
 //!
-//! For: [`fits`], [`has_area`], and the checks of a number, vector or colour at a [`JsonPath`].
+//! For: [`fits`], [`is_near`], [`has_area`], [`warn_of_size`], and the checks of a number, vector or colour
+//! at a [`JsonPath`].
 
 use super::error::SceneError;
 use super::json::JsonPath;
-use glam::{Vec2, Vec3};
-use octray_engine::scene::{MAX_BOUNCES, MAX_SIDE, MIN_LENGTH};
+use glam::{DVec3, Vec2, Vec3};
+use octray_engine::scene::{
+    Camera, Coordinates, MAX_BOUNCES, MAX_COORDINATE, MAX_SIDE, MIN_LENGTH, Primitive, Scene,
+};
 
 /// Largest absolute value of any number in a scene. Squared distances (3 · (2 · 1e18)² ≈ 1e37) and cross
 /// products of two edges stay below f32's maximum, 3.4e38; at 1e19 they would not.
@@ -14,9 +17,26 @@ pub const MAX_NUMBER: f64 = 1e18;
 pub const WITHIN_BOUNDS: &str =
     "write a number from -1e18 to 1e18; beyond that, squares overflow single precision";
 
+/// The largest offset of rays that leave a primitive, in distances from the camera to what it looks at: at
+/// half of it, pictures of balls on a floor change by less than 1 %.
+const MOST_OFFSET: f64 = 1.0 / 32.0;
+/// Surfaces that are so many of these distances from what the camera looks at are not in the way of it.
+const IN_VIEW: f64 = 8.0;
+
 /// Whether a scene may hold the number. False for NaN.
 pub fn fits(x: f64) -> bool {
     x.abs() <= MAX_NUMBER
+}
+
+/// Whether single precision holds a point of a scene.
+pub fn is_near(point: DVec3) -> bool {
+    point.abs().max_element() <= MAX_COORDINATE
+}
+
+/// How to mend a point that is not near.
+pub fn near(Coordinates { origin, unit }: &Coordinates) -> String {
+    let most = MAX_COORDINATE * unit;
+    format!("single precision holds this scene up to {most:.1e} around {origin}: move it, or make it smaller")
 }
 
 /// Whether the triangle, its vertices already rounded to f32, has an area that f32 can express.
@@ -24,6 +44,27 @@ pub fn has_area(vertices: &[Vec3; 3]) -> bool {
     let [a, b, c] = vertices.map(Vec3::as_dvec3);
     let doubled = (b - a).cross(c - a).length() as f32;
     doubled.is_normal()
+}
+
+/// Warns of primitives in view that are so large that rays leave them beyond what stands on them.
+pub fn warn_of_size(scene: &Scene) -> Option<String> {
+    let Camera { position, look_at, .. } = scene.camera;
+    let view = f64::from(position.distance(look_at));
+    let most = view * MOST_OFFSET;
+    let is_too_large = |primitive: Primitive| {
+        f64::from(primitive.offset()) > most && primitive.distance(look_at.into()) < IN_VIEW * view
+    };
+    let mut found = scene.all_primitives().enumerate().filter(|(_, primitive)| is_too_large(*primitive));
+    let (number, primitive) = found.next()?;
+    let (list, index) = scene.place(number);
+    let (offset, more) = (f64::from(primitive.offset()), found.count());
+    let more = if more > 0 { format!(" (as are {more} more)") } else { String::new() };
+    Some(format!(
+        "{list}[{index}]{more} is too large for single precision: rays leave it off its surface by {:.0} % of the \
+         camera's distance from `look_at`, beyond what stands on it. Make it {:.0} times smaller, or more.",
+        100.0 * offset / view,
+        (offset / most).ceil()
+    ))
 }
 
 /// Each takes what the file says here, and returns it as a scene holds it.
@@ -51,6 +92,17 @@ impl JsonPath<'_> {
 
     pub fn vec3(&self, v: [f64; 3]) -> Result<Vec3, SceneError> {
         self.each(v, |place, x| place.number(x)).map(Vec3::from)
+    }
+
+    /// A point of the file.
+    pub fn point(&self, point: [f64; 3], coordinates: &Coordinates) -> Result<Vec3, SceneError> {
+        self.vec3(point)?;
+        let placed = coordinates.to_scene(DVec3::from(point));
+        if is_near(placed) {
+            Ok(placed.as_vec3())
+        } else {
+            Err(self.error(format!("{point:?} is too far away"), near(coordinates)))
+        }
     }
 
     /// Degrees as a fraction of a whole turn, in [0, 1); 0 where missing.
@@ -95,20 +147,25 @@ impl JsonPath<'_> {
         self.each(color, |place, x| place.not_negative(x)).map(Vec3::from)
     }
 
-    pub fn radius(&self, x: f64) -> Result<f32, SceneError> {
-        if x < MIN_LENGTH {
+    pub fn radius(&self, x: f64, coordinates: &Coordinates) -> Result<f32, SceneError> {
+        self.number(x)?;
+        let radius = x / coordinates.unit;
+        if radius < MIN_LENGTH {
+            let least = format!("a radius is at least {:e}", MIN_LENGTH * coordinates.unit);
             let (what, mend) = if x > 0.0 {
-                (format!("the radius {x:e} is too small"), "a radius is at least 1e-18")
+                (format!("the radius {x:e} is too small"), least)
             } else if x == 0.0 {
-                ("the radius is 0".to_string(), "a radius is at least 1e-18")
+                ("the radius is 0".to_string(), least)
             } else {
-                let mend = "a radius is at least 1e-18; for a hollow ball of glass, put a smaller sphere of glass \
-                            with `ior` 0.667 (1 / 1.5) into it";
-                (format!("the radius is {x}"), mend)
+                let mend = "for a hollow ball of glass, put a smaller sphere of glass with `ior` 0.667 (1 / 1.5) into it";
+                (format!("the radius is {x}"), format!("{least}; {mend}"))
             };
             return Err(self.error(what, mend));
         }
-        self.number(x)
+        if radius > MAX_COORDINATE {
+            return Err(self.error(format!("the radius {x:e} is too large"), near(coordinates)));
+        }
+        Ok(radius as f32)
     }
 
     pub fn resolution(&self, resolution: [u32; 2]) -> Result<[u32; 2], SceneError> {

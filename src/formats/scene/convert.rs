@@ -8,14 +8,14 @@
 use super::error::SceneError;
 use super::files::Files;
 use super::native::FORMAT;
-use super::write::{camera, number, relative, vec2, vec3};
+use super::write::{camera, number, placed, relative, vec2, vec3};
 use super::{model, vertex_colors};
 use crate::openexr;
 use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use octray_engine::film::Picture;
-use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
+use octray_engine::scene::{Coordinates, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -85,7 +85,9 @@ fn text(scene: &Scene, paths: &[String]) -> String {
     let mut lines = Vec::new();
     let mut entry = |key: &str, value: String| lines.push(format!("  {}: {value}", json!(key)));
     entry("format", json!(FORMAT).to_string());
-    entry("camera", camera(&scene.camera));
+    let Coordinates { origin, .. } = scene.coordinates;
+    entry("origin", json!(origin.to_array()).to_string());
+    entry("camera", camera(&scene.camera, &scene.coordinates));
     entry("resolution", json!(scene.resolution).to_string());
     entry("max_bounces", json!(scene.max_bounces).to_string());
     match scene.sky {
@@ -114,7 +116,7 @@ fn triangle_text(scene: &Scene, number: usize, names: &[String]) -> String {
     let triangle = &scene.triangles[number];
     let material = &scene.materials[triangle.material as usize];
     let three = |key: &str, [a, b, c]: [String; 3]| format!("\"{key}\": [{a}, {b}, {c}], ");
-    let mut text = three("vertices", triangle.vertices.map(vec3));
+    let mut text = three("vertices", triangle.vertices.map(|vertex| placed(vertex, &scene.coordinates)));
     if let Some(texture) = vertex_colors_of(scene, material) {
         let colors = vertex_colors::read_back(texture, scene.uvs[number]);
         text += &three("colors", colors.map(|color| vec3(color.into())));

@@ -1,14 +1,14 @@
 //! A mesh of polygons, as OBJ and PLY files hold it, and the way of a model's triangles into the scene.
 //!
-//! For: [`Mesh`], [`Placement`], [`Tally`], [`Unusable`].
+//! For: [`Mesh`], [`Tally`], [`Unusable`].
 
 use super::builder::{Attributes, SceneBuilder};
-use super::check::fits;
+use super::check::{fits, is_near};
 use super::error::SceneError;
 use super::notes::Notes;
+use super::placement::Placement;
 use earcut::Earcut;
-use glam::{DMat3, DVec3, Vec2, Vec3};
-use octray_engine::math::portable;
+use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::{Material, MaterialKind};
 use std::path::Path;
 
@@ -122,6 +122,8 @@ impl Mesh {
     ) -> Result<(), Unusable> {
         let triangles = self.polygons().map(|(_, corners)| corners.len() - 2).sum();
         builder.check_room(triangles).map_err(|error| error.in_file(path))?;
+        let points = self.corners.iter().map(|corner| self.positions[corner.position as usize]);
+        let placement = builder.within_scene(placement, points);
         let mut tally = Tally::default();
         let (mut white, mut triangles, mut cutter) = (None, Vec::new(), Earcut::new());
         for (face, corners) in self.polygons() {
@@ -243,7 +245,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds a triangle. It is flat where one of its normals has no direction.
+    /// Adds a triangle, in the coordinates of the scene. It is flat where one of its normals has no
+    /// direction.
     pub fn add(
         &mut self,
         points: [DVec3; 3],
@@ -251,8 +254,8 @@ impl Tally {
         attributes: Attributes,
         builder: &mut SceneBuilder,
     ) -> Result<(), Unusable> {
-        if let Some(&outside) = points.iter().find(|point| !point.to_array().into_iter().all(fits)) {
-            return Err(Unusable::TooFar(outside));
+        if let Some(&outside) = points.iter().find(|point| !is_near(**point)) {
+            return Err(Unusable::TooFar(builder.scene.coordinates.to_file(outside)));
         }
         let normals = attributes.normals.filter(|normals| !normals.contains(&Vec3::ZERO));
         match builder.add_triangle(points.map(DVec3::as_vec3), material, Attributes { normals, ..attributes })
@@ -273,41 +276,5 @@ impl Tally {
             builder.warn(format!("{}: {without_area} {noun} of zero area {verb} left out.", path.display()));
         }
         Ok(())
-    }
-}
-
-/// A mesh's transformation: scaled, then rotated, then translated.
-pub struct Placement {
-    pub rotation: DMat3,
-    pub scale: f64,
-    pub translate: DVec3,
-}
-
-impl Placement {
-    /// The model's own coordinates.
-    pub const IDENTITY: Self = Self { rotation: DMat3::IDENTITY, scale: 1.0, translate: DVec3::ZERO };
-
-    /// Rotates about the x axis, then the y axis, then the z axis, in degrees; counterclockwise seen from the
-    /// axis' tip.
-    pub fn new(scale: f64, [x, y, z]: [f64; 3], translate: DVec3) -> Self {
-        let sin_cos = |degrees: f64| {
-            // Right angles are exact: a mesh rotated by 90° keeps its flat faces flat.
-            match degrees.rem_euclid(360.0) {
-                0.0 => (0.0, 1.0),
-                90.0 => (1.0, 0.0),
-                180.0 => (0.0, -1.0),
-                270.0 => (-1.0, 0.0),
-                _ => portable::sin_cos(degrees.to_radians()),
-            }
-        };
-        let ((sx, cx), (sy, cy), (sz, cz)) = (sin_cos(x), sin_cos(y), sin_cos(z));
-        let about_x = DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, cx, sx, 0.0, -sx, cx]);
-        let about_y = DMat3::from_cols_array(&[cy, 0.0, -sy, 0.0, 1.0, 0.0, sy, 0.0, cy]);
-        let about_z = DMat3::from_cols_array(&[cz, sz, 0.0, -sz, cz, 0.0, 0.0, 0.0, 1.0]);
-        Self { rotation: about_z * about_y * about_x, scale, translate }
-    }
-
-    pub fn point(&self, p: DVec3) -> DVec3 {
-        self.rotation * (p * self.scale) + self.translate
     }
 }

@@ -16,7 +16,8 @@
 //! | `ply` | PLY, as text and in both binary orders |
 //! | `scalar` | numbers in binary files |
 //! | `notes` | what is left out of a file, each kind once |
-//! | `mesh` | a mesh of polygons, its scale, rotation and translation; why a model cannot be used |
+//! | `mesh` | a mesh of polygons; why a model cannot be used |
+//! | `placement` | a model's scale, rotation and translation |
 //! | `procedural` | generated meshes of any size |
 //! | `view` | a view file: another scene, a camera, render options; read and written |
 //! | `camera_path` | cameras between the keyframes of a view |
@@ -50,6 +51,7 @@ mod mtl;
 mod native;
 mod notes;
 mod obj;
+mod placement;
 mod ply;
 mod procedural;
 mod scalar;
@@ -70,5 +72,6 @@ pub use files::has_extension;
 pub use load::{load, load_from, load_with_view, may_be_scene};
 pub use model::{EXTENSIONS as MODEL_EXTENSIONS, is_model};
 pub use view::{Loaded, Rendering, View, view_fault};
+pub use write::point_in_file;
 
 pub use octray_engine::scene::*;

@@ -6,8 +6,9 @@ use super::builder::{DEFAULT_RESOLUTION, SceneBuilder};
 use super::error::SceneError;
 use super::files::{Files, has_extension};
 use super::gltf::{self, Gltf};
-use super::mesh::{Mesh, Placement, Unusable};
+use super::mesh::{Mesh, Unusable};
 use super::obj::Obj;
+use super::placement::Placement;
 use super::ply;
 use glam::Vec3;
 use octray_engine::scene::{Scene, Sky};
@@ -77,8 +78,8 @@ pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<S
             "export the model again, or larger: all its faces have zero area in single precision",
         ),
         Unusable::TooFar(point) => fault(
-            format!("the mesh reaches {point}, too far from the origin"),
-            "scale the model down, or move it",
+            format!("the mesh reaches {point}, too far from its other points"),
+            "move this point nearer to them, or leave it out",
         ),
     })?;
     let own = match &model {

@@ -19,7 +19,7 @@ pub const MATERIAL: &str = "{ \"type\": \"diffuse\", \"color\": [0.8, 0.1, 0.1] 
 pub fn example(key: &str) -> Option<&'static str> {
     Some(match key {
         "camera" => "{ \"position\": [0, 1, 5], \"look_at\": [0, 1, 0] }",
-        "position" | "center" | "look_at" | "translate" => "[0, 1, 5]",
+        "origin" | "position" | "center" | "look_at" | "translate" => "[0, 1, 5]",
         "up" => "[0, 1, 0]",
         "resolution" => "[240, 135]",
         "max_bounces" => "16",
@@ -55,6 +55,9 @@ pub fn example(key: &str) -> Option<&'static str> {
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     pub format: String,
+    /// The point around which single precision is best. Missing: what the camera looks at, or else its
+    /// position, or else a point of the scene.
+    pub origin: Option<[f64; 3]>,
     /// Missing: a camera that frames the whole scene.
     pub camera: Option<CameraFile>,
     pub resolution: Option<[u32; 2]>,

@@ -21,7 +21,7 @@ use super::json::{JsonPath, Source, read};
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::math::portable;
 use octray_engine::scene::{
-    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, TexelKind, srgb_to_linear,
+    Camera, Coordinates, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, TexelKind, srgb_to_linear,
 };
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -183,7 +183,7 @@ impl Loader {
         let surface = Surface { color, emission, roughness, texture: texture.as_ref() };
         let sphere = Sphere {
             center: inverted(DVec3::from(center)),
-            radius: place.key("radius").radius(radius)?,
+            radius: place.key("radius").radius(radius, &Coordinates::default())?,
             material: self.material(&surface, place)?,
             texture_turn: 0.5,
             // The thesis's program maps every sphere's texture as seen from inside: right for skies, mirrored

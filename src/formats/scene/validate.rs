@@ -3,20 +3,21 @@
 //! For: [`scene`], and [`camera`], which views share.
 
 use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, MAX_COPIES, SceneBuilder};
-use super::check::{WITHIN_BOUNDS, fits};
+use super::check::{fits, near};
 use super::error::{MAX_FAULTS, SceneError};
 use super::faults::read_all;
 use super::files::Files;
 use super::json::{JsonPath, Source};
 use super::material;
-use super::mesh::{Placement, Unusable};
+use super::mesh::Unusable;
 use super::model::{self, Model};
 use super::native::{
     CameraFile, FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT,
 };
+use super::placement::Placement;
 use super::spelling::nearest;
 use glam::{DVec3, Vec3};
-use octray_engine::scene::{Camera, Scene, Side, Sky, Sphere};
+use octray_engine::scene::{Camera, Coordinates, Scene, Side, Sky, Sphere};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -38,7 +39,9 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let max_bounces = file.max_bounces.unwrap_or(DEFAULT_BOUNCES);
     let max_bounces = faults.none_in(root.key("max_bounces").bounces(max_bounces))?;
 
+    faults.none_in(file.origin.map_or(Ok(Vec3::ZERO), |origin| root.key("origin").vec3(origin)))?;
     let mut loader = Loader { builder: SceneBuilder::new(files), is_mended, ..Loader::default() };
+    coordinates(&file).into_iter().for_each(|coordinates| loader.builder.set_coordinates(coordinates));
     for entry in &file.materials.0 {
         let place = root.key("materials");
         let number = material::material(&mut loader.builder, entry, &place.key(&entry.0));
@@ -67,7 +70,8 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
         return Err(faults.all().unwrap_or(root.error("the scene holds nothing to see", mend)));
     }
     let framed = |position, look_at| builder.scene.framing(position, look_at);
-    let camera = camera(&root.key("camera"), &file.camera.unwrap_or_default(), framed);
+    let camera =
+        camera(&root.key("camera"), &file.camera.unwrap_or_default(), &builder.scene.coordinates, framed);
     let camera = faults.none_in(camera.map(Some))?;
     let Some(camera) = camera.filter(|_| faults.0.is_empty()) else {
         return Err(faults.all().expect("without a fault there is a camera"));
@@ -75,6 +79,27 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let plain = if builder.scene.emits() { Vec3::ZERO } else { Vec3::ONE };
     let sky = sky.unwrap_or(Sky::Color(plain));
     builder.finish(name, camera, resolution, max_bounces, sky).map_err(|error| error.in_file(source.file))
+}
+
+/// The coordinates of a scene that holds more than models: around the point that the file gives for it, that
+/// the camera looks at or stands at, or else around a corner of a triangle or the middle of the smallest
+/// sphere.
+fn coordinates(file: &SceneFile) -> Option<Coordinates> {
+    let camera = file.camera.as_ref();
+    let [position, look_at] =
+        [camera.and_then(|camera| camera.position), camera.and_then(|camera| camera.look_at)]
+            .map(|p| p.map(DVec3::from));
+    let smallest = file.spheres.iter().min_by(|a, b| a.radius.total_cmp(&b.radius));
+    let of_triangle = file.triangles.first().map(|triangle| triangle.vertices[0].into());
+    let origin = file.origin.map(DVec3::from).or(look_at).or(position).or(of_triangle);
+    let origin = origin.or_else(|| Some(smallest?.center.into()))?;
+    let vertices = file.triangles.iter().flat_map(|triangle| triangle.vertices).map(|vertex| (vertex, 0.0));
+    let balls = file.spheres.iter().map(|sphere| (sphere.center, sphere.radius)).chain(vertices);
+    let size = match (position, look_at) {
+        (Some(position), Some(look_at)) => position.distance(look_at),
+        _ => balls.map(|(center, radius)| origin.distance(center.into()) + radius).fold(0.0, f64::max),
+    };
+    Some(Coordinates::around(origin, size))
 }
 
 /// The faults found so far.
@@ -104,12 +129,14 @@ impl Faults {
 pub fn camera(
     place: &JsonPath,
     file: &CameraFile,
+    coordinates: &Coordinates,
     default: impl FnOnce(Option<Vec3>, Option<Vec3>) -> Camera,
 ) -> Result<Camera, SceneError> {
-    let point = |key: &'static str, v: Option<[f64; 3]>| v.map(|v| place.key(key).vec3(v)).transpose();
+    let point =
+        |key: &'static str, v: Option<[f64; 3]>| v.map(|v| place.key(key).point(v, coordinates)).transpose();
     let mut camera = default(point("position", file.position)?, point("look_at", file.look_at)?);
-    if let Some(up) = point("up", file.up)? {
-        camera.up = up;
+    if let Some(up) = file.up {
+        camera.up = place.key("up").vec3(up)?;
     }
     if let Some(degrees) = file.vertical_fov {
         camera.vertical_fov = place.key("vertical_fov").number(degrees)?;
@@ -158,10 +185,11 @@ impl<'a> Loader<'a> {
     }
 
     fn add_sphere(&mut self, file: &SphereFile, place: &JsonPath) -> Result<(), SceneError> {
+        let coordinates = self.builder.scene.coordinates;
         let sphere = Sphere {
             texture_turn: place.key("turn_degrees").turns(file.turn_degrees)?,
-            center: place.key("center").vec3(file.center)?,
-            radius: place.key("radius").radius(file.radius)?,
+            center: place.key("center").point(file.center, &coordinates)?,
+            radius: place.key("radius").radius(file.radius, &coordinates)?,
             material: self.material(file.material.as_ref(), place)?,
             texture_side: match file.picture_from {
                 Some(SideFile::Inside) => Side::Inside,
@@ -175,7 +203,8 @@ impl<'a> Loader<'a> {
     fn add_triangle(&mut self, file: &TriangleFile, place: &JsonPath) -> Result<(), SceneError> {
         let (at_vertices, at_uvs) = (place.key("vertices"), place.key("uvs"));
         let (at_normals, at_colors) = (place.key("normals"), place.key("colors"));
-        let vertices = at_vertices.each(file.vertices, |place, vertex| place.vec3(vertex))?;
+        let coordinates = self.builder.scene.coordinates;
+        let vertices = at_vertices.each(file.vertices, |place, vertex| place.point(vertex, &coordinates))?;
         let uvs = file.uvs.map(|uvs| at_uvs.each(uvs, |place, uv| place.vec2(uv))).transpose()?;
         let normals = file.normals.map(|normals| at_normals.each(normals, normal)).transpose()?;
         let material = self.material(file.material.as_ref(), place)?;
@@ -262,8 +291,8 @@ impl<'a> Loader<'a> {
                 place.error(what, mend)
             }
             Unusable::TooFar(point) => {
-                let what = format!("the mesh reaches {point}, too far from the origin");
-                place.error(what, format!("use a smaller `scale` or `translate`: {WITHIN_BOUNDS}"))
+                let coordinates = &self.builder.scene.coordinates;
+                place.error(format!("the mesh reaches {point}, too far away"), near(coordinates))
             }
         })
     }

@@ -12,7 +12,7 @@ use super::write;
 use octray_engine::buffers::LightChoice;
 use octray_engine::render::PipelineChoice;
 use octray_engine::sampling::Sampler;
-use octray_engine::scene::{Camera, Scene};
+use octray_engine::scene::{Camera, Coordinates, Scene};
 use octray_engine::tone::Operator;
 use octray_engine::traverse::{SphereChoice, TraversalChoice, TriangleChoice};
 use serde::{Deserialize, Serialize};
@@ -43,6 +43,8 @@ use std::time::SystemTime;
 pub struct View {
     /// The scene's path relative to the view's folder, or `builtin:NAME`. Never a view.
     pub scene: String,
+    /// Those of the scene, and so of the cameras here.
+    pub coordinates: Coordinates,
     /// The scene's own if `None`.
     pub camera: Option<Camera>,
     /// The scene's own if `None`.
@@ -126,6 +128,7 @@ impl View {
     pub fn of(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> Self {
         Self {
             scene: name_of_viewed(scene, loaded_through, folder),
+            coordinates: scene.coordinates,
             camera: Some(scene.camera),
             resolution: Some(scene.resolution),
             max_bounces: Some(scene.max_bounces),
@@ -138,7 +141,7 @@ impl View {
     pub fn text(&self) -> String {
         let mut entries =
             vec![("format", json!(VIEW_FORMAT).to_string()), ("scene", json!(self.scene).to_string())];
-        entries.extend(self.camera.map(|camera| ("camera", write::camera(&camera))));
+        entries.extend(self.camera.map(|camera| ("camera", write::camera(&camera, &self.coordinates))));
         entries.extend(self.resolution.map(|resolution| ("resolution", json!(resolution).to_string())));
         entries.extend(self.max_bounces.map(|bounces| ("max_bounces", bounces.to_string())));
         if self.render != Rendering::default() {
@@ -148,7 +151,7 @@ impl View {
             entries.push(("render", render.replace('\n', "\n  ")));
         }
         if !self.path.keyframes().is_empty() {
-            entries.push(("keyframes", write::keyframes(self.path.keyframes())));
+            entries.push(("keyframes", write::keyframes(self.path.keyframes(), &self.coordinates)));
         }
         let lines: Vec<String> = entries.iter().map(|(key, value)| format!("  \"{key}\": {value}")).collect();
         format!("{{\n{}\n}}\n", lines.join(",\n"))
@@ -193,31 +196,33 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
         scene.max_bounces = root.key("max_bounces").bounces(bounces)?;
     }
     if let Some(camera) = &file.camera {
-        scene.camera = camera_over(&root.key("camera"), camera, scene.camera)?;
+        scene.camera = camera_over(&root.key("camera"), camera, &scene)?;
     }
     let view = View {
         scene: file.scene,
+        coordinates: scene.coordinates,
         camera: file.camera.map(|_| scene.camera),
         resolution: file.resolution,
         max_bounces: file.max_bounces,
         render: file.render.unwrap_or_default(),
-        path: path(&root.key("keyframes"), &file.keyframes, scene.camera)?,
+        path: path(&root.key("keyframes"), &file.keyframes, &scene)?,
     };
     scene.name = name;
     Ok(Loaded { scene, view: Some(view), read: None })
 }
 
-/// A camera, with what it leaves out from `own`.
-fn camera_over(place: &JsonPath, file: &CameraFile, own: Camera) -> Result<Camera, SceneError> {
-    camera(place, file, |position, look_at| Camera {
+/// A camera, with what it leaves out from the scene's own.
+fn camera_over(place: &JsonPath, file: &CameraFile, scene: &Scene) -> Result<Camera, SceneError> {
+    let own = scene.camera;
+    camera(place, file, &scene.coordinates, |position, look_at| Camera {
         position: position.unwrap_or(own.position),
         look_at: look_at.unwrap_or(own.look_at),
         ..own
     })
 }
 
-/// The keyframes, whose cameras take from `own` what they leave out.
-fn path(place: &JsonPath, files: &[KeyframeFile], own: Camera) -> Result<CameraPath, SceneError> {
+/// The keyframes, whose cameras take from the scene's own what they leave out.
+fn path(place: &JsonPath, files: &[KeyframeFile], scene: &Scene) -> Result<CameraPath, SceneError> {
     let mut keyframes: Vec<Keyframe> = Vec::with_capacity(files.len());
     for (index, file) in files.iter().enumerate() {
         let place = place.item(index);
@@ -225,7 +230,7 @@ fn path(place: &JsonPath, files: &[KeyframeFile], own: Camera) -> Result<CameraP
             let what = format!("frame {} comes after a frame that is not before it", file.frame);
             return Err(place.key("frame").error(what, "write the keyframes in ascending order"));
         }
-        let camera = camera_over(&place.key("camera"), &file.camera, own)?;
+        let camera = camera_over(&place.key("camera"), &file.camera, scene)?;
         keyframes.push(Keyframe { frame: file.frame, camera });
     }
     Ok(CameraPath::new(keyframes))

@@ -1,28 +1,49 @@
-//! Writes numbers, vectors, cameras and relative paths for the native formats. A number reads back as the
-//! same bits.
+//! Writes numbers, points, vectors, cameras and relative paths for the native formats. A number reads back as
+//! the same bits.
 //!
-//! For: [`number`], [`vec2`], [`vec3`], [`camera`], [`keyframes`], [`relative`].
+//! For: [`point_in_file`], [`number`], [`vec2`], [`vec3`], [`camera`], [`keyframes`], [`relative`].
 
 use super::camera_path::Keyframe;
-use glam::{Vec2, Vec3};
-use octray_engine::scene::Camera;
+use glam::{DVec3, Vec2, Vec3};
+use octray_engine::scene::{Camera, Coordinates};
 use std::path::Path;
 
-pub fn camera(camera: &Camera) -> String {
+/// The file's point that reads back as this point of a scene, with few digits.
+pub fn point_in_file(point: Vec3, coordinates: &Coordinates) -> DVec3 {
+    let exact = coordinates.to_file(point.into()).to_array();
+    DVec3::from_array(std::array::from_fn(|axis| {
+        let reads_back = |x: &f64| {
+            let placed = coordinates.to_scene(DVec3::splat(*x))[axis] as f32;
+            placed.to_bits() == point[axis].to_bits()
+        };
+        let digits = [8, 11, 14].map(|digits| format!("{:.digits$e}", exact[axis]));
+        let short = std::iter::once((exact[axis] as f32).to_string()).chain(digits);
+        short.filter_map(|text| text.parse().ok()).find(reads_back).unwrap_or(exact[axis])
+    }))
+}
+
+pub fn camera(camera: &Camera, coordinates: &Coordinates) -> String {
     format!(
         "{{ \"position\": {}, \"look_at\": {}, \"up\": {}, \"vertical_fov\": {} }}",
-        vec3(camera.position),
-        vec3(camera.look_at),
+        placed(camera.position, coordinates),
+        placed(camera.look_at, coordinates),
         vec3(camera.up),
         number(camera.vertical_fov)
     )
 }
 
 /// As a view writes them: one a line, for an object that is indented by two spaces.
-pub fn keyframes(keyframes: &[Keyframe]) -> String {
-    let line =
-        |key: &Keyframe| format!("    {{ \"frame\": {}, \"camera\": {} }}", key.frame, camera(&key.camera));
+pub fn keyframes(keyframes: &[Keyframe], coordinates: &Coordinates) -> String {
+    let line = |key: &Keyframe| {
+        format!("    {{ \"frame\": {}, \"camera\": {} }}", key.frame, camera(&key.camera, coordinates))
+    };
     format!("[\n{}\n  ]", keyframes.iter().map(line).collect::<Vec<_>>().join(",\n"))
+}
+
+/// A point of a scene, in the coordinates of the file.
+pub fn placed(p: Vec3, coordinates: &Coordinates) -> String {
+    let [x, y, z] = point_in_file(p, coordinates).to_array().map(|x| json_digits(x.abs() >= 1e16, &x));
+    format!("[{x}, {y}, {z}]")
 }
 
 pub fn vec3(v: Vec3) -> String {

@@ -4,6 +4,7 @@ mod files;
 mod geometry;
 mod materials;
 
+use super::coordinates::in_file;
 use crate::folder::Folder;
 use octray::scene::{Material, Scene, load};
 use serde_json::{Value, json};
@@ -101,7 +102,7 @@ fn read_with(json: &Value, binary: &[u8]) -> Result<Loaded, String> {
     let folder = Folder::new();
     let path = folder.path("m.glb");
     fs::write(&path, glb(json, binary)).unwrap();
-    let scene = load(path.to_str().unwrap()).map_err(|error| error.to_string())?;
+    let scene = in_file(load(path.to_str().unwrap()).map_err(|error| error.to_string())?);
     Ok(Loaded { scene, folder, path })
 }
 
@@ -146,5 +147,5 @@ fn placed(json: &Value, binary: &[u8], placement: Value) -> Scene {
     let mut mesh = json!({ "model": "m.glb" });
     mesh.as_object_mut().unwrap().extend(placement.as_object().unwrap().clone());
     fs::write(&path, json!({ "format": "octray-1", "meshes": [mesh] }).to_string()).unwrap();
-    load(path.to_str().unwrap()).unwrap()
+    in_file(load(path.to_str().unwrap()).unwrap())
 }

@@ -6,8 +6,9 @@ use super::super::builder::{Attributes, SceneBuilder};
 use super::super::check::fits;
 use super::super::error::SceneError;
 use super::super::json::JsonPath;
-use super::super::mesh::{Placement, Tally, Unusable};
+use super::super::mesh::{Tally, Unusable};
 use super::super::notes::Notes;
+use super::super::placement::Placement;
 use super::accessor::{Accessors, Numbers};
 use super::bytes::broken;
 use super::material::{self, Added};
@@ -50,6 +51,10 @@ impl Geometry {
             self.colors.take_if(|colors| (1..colors.count).all(|at| colors.at::<3>(at) == colors.at(0)))?;
         let color = (colors.count > 0).then(|| DVec3::from_array(colors.at(0)).as_vec3())?;
         Some(color.clamp(Vec3::ZERO, Vec3::ONE)).filter(|color| *color != Vec3::ONE)
+    }
+    /// Those of all vertices.
+    pub fn points(&self) -> impl Iterator<Item = DVec3> + Clone {
+        (0..self.positions.count).map(|at| DVec3::from_array(self.positions.at(at)))
     }
     /// The number of corners.
     fn corners(&self) -> usize {

@@ -28,18 +28,18 @@ mod nodes;
 mod texture;
 
 use super::builder::{MAX_COPIES, SceneBuilder};
-use super::check::fits;
 use super::error::SceneError;
 use super::files::Files;
 use super::json::Source;
-use super::mesh::{Placement, Tally, Unusable};
+use super::mesh::{Tally, Unusable};
+use super::placement::Placement;
 use accessor::Accessors;
 use bytes::Document;
 use geometry::{Geometry, Transform};
 use glam::DVec4;
 use gltf_json::Root;
 use material::{Added, Materials};
-use octray_engine::scene::{Camera, Material, MaterialKind};
+use octray_engine::scene::{Camera, MAX_COORDINATE, Material, MaterialKind};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
@@ -140,6 +140,13 @@ impl Gltf {
         }
         builder.warn_of_notes(path, ": ");
         builder.check_room(triangles).map_err(|error| error.in_file(path))?;
+        let points = self.nodes.meshes.iter().flat_map(|(mesh, transform)| {
+            meshes[mesh]
+                .iter()
+                .flat_map(|(_, part)| part.points())
+                .map(|point| transform.transform_point3(point))
+        });
+        let placement = &builder.within_scene(placement, points);
         let mut tally = Tally::default();
         for (mesh, transform) in &self.nodes.meshes {
             let transform = Transform::of(transform, placement);
@@ -154,6 +161,7 @@ impl Gltf {
     pub fn camera(&self, path: &Path, builder: &mut SceneBuilder) -> Option<Camera> {
         let (index, transform) = self.nodes.camera?;
         let (lower, upper) = builder.scene.bounds();
+        let position = builder.scene.coordinates.to_scene(transform.w_axis.truncate());
         let mut framed = |why: &str| {
             builder.warn(format!("{}: cameras[{index}] {why}: the model is framed instead.", path.display()));
         };
@@ -161,7 +169,6 @@ impl Gltf {
             framed("is orthographic");
             return None;
         };
-        let position = transform.w_axis.truncate();
         let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(|axis| (transform * axis).truncate());
         // A point as far away as the model, so that a viewer turns around something.
         let distance = (((lower + upper) / 2.0 - position).length()).max(1e-3 * position.length()).max(1e-6);
@@ -173,7 +180,7 @@ impl Gltf {
         };
         let Camera { position, look_at, up, .. } = camera;
         let mut placed = [position, look_at, up].into_iter().flat_map(|v| v.to_array());
-        let is_usable = camera.fault().is_none() && placed.all(|x| fits(x.into()));
+        let is_usable = camera.fault().is_none() && placed.all(|x| f64::from(x.abs()) <= MAX_COORDINATE);
         if !is_usable {
             framed("cannot be used");
         }

@@ -11,6 +11,7 @@ pub use octray_laboratory::{measure, reference};
 mod common;
 
 mod adaptive_laws;
+mod copies;
 mod display_laws;
 mod expectation;
 mod flip;

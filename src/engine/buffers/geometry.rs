@@ -43,8 +43,8 @@ impl Primitive<'_> {
             Self::Sphere(&Sphere { center, radius, material, texture_turn, texture_side }) => {
                 let [x, y, z] = center.to_array();
                 let (offset, material) = (sphere_offset(center, radius), f32::from_bits(material));
-                // −0 for 0 too.
-                let turn = if texture_side == Side::Inside { texture_turn } else { -texture_turn };
+                // A turn of 0 has a sign too.
+                let turn = texture_turn.abs().copysign(if texture_side == Side::Inside { 1.0 } else { -1.0 });
                 [x, y, z, 1.0 / radius, offset, material, turn, probability]
             }
             Self::Triangle(_) => unreachable!("triangles are no quadrics"),

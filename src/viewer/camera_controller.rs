@@ -3,7 +3,7 @@
 //! For: [`CameraController`] and [`Motion`].
 
 use glam::{DQuat, DVec3};
-use octray_formats::scene::Camera;
+use octray_formats::scene::{Camera, Coordinates, Scene};
 use std::collections::BTreeSet;
 
 /// Turning speed of a held arrow key, in radians per second.
@@ -39,6 +39,8 @@ pub enum Motion {
 #[derive(Clone, Debug)]
 pub struct CameraController {
     home: Camera,
+    /// Those of the scene.
+    coordinates: Coordinates,
     camera: Camera,
     position: DVec3,
     /// The up direction, of unit length.
@@ -52,14 +54,17 @@ pub struct CameraController {
 }
 
 impl CameraController {
-    pub fn new(home: Camera) -> Self {
+    pub fn new(scene: &Scene) -> Self {
+        Self::of(scene.camera, scene.coordinates)
+    }
+    fn of(home: Camera, coordinates: Coordinates) -> Self {
         let position = home.position.as_dvec3();
         let up = home.up.as_dvec3().normalize();
         let sight = (home.look_at.as_dvec3() - position).normalize();
         let level = sight - up * sight.dot(up);
         let forward = level.try_normalize().unwrap_or_else(|| up.any_orthonormal_vector());
         let pitch = sight.dot(up).clamp(-1.0, 1.0).asin();
-        Self { home, camera: home, position, up, forward, yaw: 0.0, pitch }
+        Self { home, coordinates, camera: home, position, up, forward, yaw: 0.0, pitch }
     }
     pub fn camera(&self) -> &Camera {
         &self.camera
@@ -70,14 +75,20 @@ impl CameraController {
     }
     /// Resets to the scene's camera.
     pub fn reset(&mut self) {
-        *self = Self::new(self.home);
+        *self = Self::of(self.home, self.coordinates);
     }
-    /// Replaces the scene's camera after a reload. A camera that was not moved follows at once.
-    pub fn set_home(&mut self, home: Camera) {
+    /// Replaces the scene's camera after a reload. A camera that was not moved follows at once; a moved one
+    /// stays where it is in the file.
+    pub fn set_home(&mut self, scene: &Scene) {
         if self.camera == self.home {
-            *self = Self::new(home);
-        } else {
-            self.home = home;
+            *self = Self::new(scene);
+            return;
+        }
+        let before = std::mem::replace(&mut self.coordinates, scene.coordinates);
+        self.home = scene.camera;
+        if before != self.coordinates {
+            self.position = self.coordinates.to_scene(before.to_file(self.position));
+            self.turn(0.0, 0.0);
         }
     }
 
@@ -144,13 +155,17 @@ mod tests {
     #[test]
     fn the_mouse_turns_less_through_a_narrow_field_of_view() {
         let turned = |vertical_fov| {
-            let mut controller = CameraController::new(Camera { vertical_fov, ..home() });
+            let mut controller = controller(Camera { vertical_fov, ..home() });
             controller.mouse_look([100.0, 0.0]);
             controller.yaw
         };
         assert!((turned(90.0) + 100.0 * MOUSE_SENSITIVITY).abs() < 1e-9);
         let ratio = turned(10.0) / turned(20.0);
         assert!((ratio - 5f64.to_radians().tan() / 10f64.to_radians().tan()).abs() < 1e-6, "{ratio}");
+    }
+
+    fn controller(camera: Camera) -> CameraController {
+        CameraController::new(&Scene { camera, ..Scene::default() })
     }
 
     fn home() -> Camera {
@@ -165,7 +180,7 @@ mod tests {
         motions.iter().copied().collect()
     }
     fn after(motions: &[Motion], seconds: f64) -> Camera {
-        let mut controller = CameraController::new(home());
+        let mut controller = controller(home());
         controller.advance(&held(motions), seconds, 2.0);
         *controller.camera()
     }
@@ -192,7 +207,7 @@ mod tests {
     #[test]
     fn the_frame_rate_does_not_change_where_it_leads() {
         for motions in [&[Motion::Forward][..], &[Motion::Right, Motion::Up], &[Motion::TurnLeft]] {
-            let (held, mut steps) = (held(motions), CameraController::new(home()));
+            let (held, mut steps) = (held(motions), controller(home()));
             for _ in 0..240 {
                 steps.advance(&held, 1.0 / 240.0, 2.0);
             }
@@ -204,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_camera_that_was_not_moved_is_the_scenes_own() {
-        let mut controller = CameraController::new(home());
+        let mut controller = controller(home());
         controller.advance(&held(&[]), 1.0, 2.0);
         controller.advance(&held(&[Motion::Fast]), 1.0, 2.0);
         controller.mouse_look([0.0, 0.0]);
@@ -216,11 +231,24 @@ mod tests {
     }
 
     #[test]
+    fn a_moved_camera_stays_where_it_is_in_the_file() {
+        let mut controller = controller(home());
+        controller.advance(&held(&[Motion::Forward, Motion::TurnUp]), 1.0, 2.0);
+        let before = *controller.camera();
+        let coordinates = Coordinates::around(glam::dvec3(10.0, 20.0, -5.0), 1.0);
+        controller.set_home(&Scene { camera: home(), coordinates, ..Scene::default() });
+        let after = *controller.camera();
+        assert_eq!(after.position + Vec3::new(10.0, 20.0, -5.0), before.position);
+        let sights = [before, after].map(|camera| (camera.look_at - camera.position).normalize());
+        assert!(sights[0].distance(sights[1]) < 1e-6, "{sights:?}");
+    }
+
+    #[test]
     fn up_is_the_scenes_up_wherever_that_is() {
         for up in [Vec3::NEG_Y, Vec3::Z, Vec3::new(0.3, 1.0, -0.2)] {
             let sight = up.any_orthonormal_vector();
             let home = Camera { position: Vec3::ZERO, look_at: sight, up, vertical_fov: 60.0 };
-            let mut controller = CameraController::new(home);
+            let mut controller = controller(home);
             controller.advance(&held(&[Motion::Up]), 1.0, 1.0);
             assert!(controller.camera().position.distance(up.normalize()) < 1e-6);
             controller.advance(&held(&[Motion::Right]), 1.0, 1.0);
@@ -231,7 +259,7 @@ mod tests {
 
     #[test]
     fn looking_stops_before_the_poles_and_forward_stays_level() {
-        let mut controller = CameraController::new(home());
+        let mut controller = controller(home());
         controller.advance(&held(&[Motion::TurnUp]), 100.0, 1.0);
         let sight = (controller.camera().look_at - controller.camera().position).normalize();
         assert!((sight.y - 1.0).abs() < 1e-3 && sight.y < 1.0);
@@ -241,7 +269,7 @@ mod tests {
 
     #[test]
     fn field_of_view_stays_within_bounds() {
-        let mut controller = CameraController::new(home());
+        let mut controller = controller(home());
         controller.zoom_by(1.0);
         let half = |fov: f32| (f64::from(fov).to_radians() / 2.0).tan();
         assert!((half(controller.camera().vertical_fov) / half(40.0) - FOV_STEP).abs() < 1e-6);

@@ -62,7 +62,7 @@ impl Shape {
 impl Minimap {
     /// Draws the scene along its camera's up axis; the camera's line of sight points to the top.
     pub fn new(scene: &Scene) -> Self {
-        let (forward, up) = CameraController::new(scene.camera).forward_and_up();
+        let (forward, up) = CameraController::new(scene).forward_and_up();
         let camera = scene.camera.position.as_dvec3();
         let mut minimap = Self {
             ground: vec![GROUND; (SIDE * SIDE) as usize],

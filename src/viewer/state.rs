@@ -83,7 +83,7 @@ impl State {
         Self {
             name: playlist.current().to_os_string(),
             playlist,
-            camera_controller: CameraController::new(scene.camera),
+            camera_controller: CameraController::new(scene),
             controls,
             speed: None,
             mouse_captured: false,
@@ -111,7 +111,7 @@ impl State {
         if !self.shows_current() {
             let before = std::mem::replace(&mut self.name, self.playlist.current().to_os_string());
             let (camera, chosen) =
-                self.saved.remove(&self.name).unwrap_or_else(|| (CameraController::new(scene.camera), None));
+                self.saved.remove(&self.name).unwrap_or_else(|| (CameraController::new(scene), None));
             let left = std::mem::replace(&mut self.camera_controller, camera);
             self.saved.insert(before, (left, std::mem::replace(&mut bounces, chosen)));
             // No motion until this scene's speed is known.
@@ -119,7 +119,7 @@ impl State {
         }
         self.controls.bounces = bounces.unwrap_or(own);
         // The file's camera may have changed.
-        self.camera_controller.set_home(scene.camera);
+        self.camera_controller.set_home(scene);
     }
 
     /// Moves the camera up to the time of a frame.

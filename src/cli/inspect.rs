@@ -16,9 +16,6 @@ use serde_json::json;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Pixels of the longer side of a picture that says why a pixel is black, about.
-const SMALL: u32 = 240;
-
 /// Show what a scene contains, or one path of a pixel.
 ///
 /// Prints the numbers of objects, materials and textures, their memory, the camera, and warnings about the
@@ -95,7 +92,7 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
     let f32 = renderer.path([x, y], sample);
     if f32.last().is_some_and(|end| end.radiance == [0.0; 3]) {
         // A small picture of the same view is as black as a large one.
-        let shrink = (right.max(bottom) / SMALL).max(1);
+        let shrink = (right.max(bottom) / 240).max(1);
         let small = resolution.map(|side| side.div_ceil(shrink));
         renderer.set_view(&scene, &scene.camera, small, max_bounces);
         let mut film = renderer.film();

@@ -119,14 +119,14 @@ pub fn meaning(report: &Report) -> String {
     let differ = report.results.iter().any(|result| result.mismatched_pixels > 0);
     let wrong: usize = report.results.iter().map(|result| result.reference.mismatched_hits).sum();
     let right = match wrong {
-        0 => "every compared primary hit is right".to_string(),
+        0 => "Every compared primary hit is right".to_string(),
         _ => counted(wrong, "primary hit is", "primary hits are") + " WRONG by the f64 reference",
     };
     let same = match differ {
-        false => "pictures of 1, 8 and 16 lanes are the same, bit by bit",
+        false => "Pictures of 1, 8 and 16 lanes are the same, bit by bit",
         true => "SIMD and scalar DIFFER: a bug in octray, please report it with the scene",
     };
     let scenes = report.results.iter().map(|result| (result.scene.as_str(), result.traversal));
     let doubt = text::if_doubtful(report.reliable, "speed-ups");
-    format!("\n{}{same}; {right}.{doubt}\n", traversals(scenes))
+    format!("\n{}{same}.\n{right}.{doubt}\n", traversals(scenes))
 }

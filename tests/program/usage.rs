@@ -23,7 +23,7 @@ fn help_explains_every_command_with_an_example() {
     let desk = Desk::new();
     desk.octray("--help").assert().success().stdout(contains("Exit codes")).stderr("");
     assert!(desk.run("--version").contains(env!("CARGO_PKG_VERSION")));
-    for command in COMMANDS {
+    for command in COMMANDS.into_iter().chain(cfg!(feature = "viewer").then_some("view")) {
         let example = contains("Example").and(contains(format!("\n  octray {command} ")));
         let help = contains("Usage: octray").and(example);
         desk.octray(&format!("{command} --help")).assert().success().stderr("").stdout(help);

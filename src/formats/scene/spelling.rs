@@ -81,7 +81,7 @@ const INSTEAD: [(&str, &str); 7] = [
     ),
     (
         "defocusangle focusdist focusdistance focaldistance aperture apertureradius lensradius fstop dof",
-        "the camera is a pinhole: everything is in focus",
+        "the camera is a pinhole, all is in focus; scenes/book/README.md shows how frames make a lens",
     ),
     (
         "time time0 time1 shutter shutteropen shutterclose motionblur center1 center2",

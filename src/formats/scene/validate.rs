@@ -94,8 +94,8 @@ fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
     let glass: Vec<_> = glass.take(MOST_NESTED).collect();
     for &(index, sphere) in &glass {
         let is_around = |outer: &&Sphere| {
-            let reach = outer.center.distance(sphere.center) + sphere.radius;
-            outer.radius > sphere.radius && outer.radius >= reach
+            let larger = outer.radius - sphere.radius;
+            larger > 0.0 && outer.center.distance(sphere.center) <= larger
         };
         let around = glass.iter().map(|&(_, outer)| outer).filter(is_around);
         let around = around.min_by(|a, b| a.radius.total_cmp(&b.radius));

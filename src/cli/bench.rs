@@ -49,25 +49,25 @@ const MAX_FRAMES: u32 = 1_000_000;
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
 pub struct Options {
-    /// Scene files, models, or builtin:NAME; the built-in bench scenes if none is given.
+    /// Scenes, models, builtin:NAME [default: the built-in bench scenes].
     #[arg(value_name = "SCENE")]
     scenes: Vec<OsString>,
     /// Print the figures as JSON (schema octray-bench-1).
     #[arg(long)]
     json: bool,
-    /// Print time by stage, rays by kind, SIMD utilisation, tests per ray.
+    /// Print time by stage, rays, SIMD use, tests per ray.
     #[arg(long)]
     stats: bool,
-    /// Worker threads [default: one, and SIMD once more on all cores].
+    /// Worker threads [default: one, and SIMD on all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Measure one width: auto, 1, 8, 16 [default: scalar and native ones].
+    /// Measure one width: auto, 1, 8, 16 [default: all].
     #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true)]
     lanes: Option<LaneChoice>,
-    /// Measured frames [default: two seconds a scene, and at least 50].
+    /// Measured frames [default: two seconds, at least 50].
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_FRAMES>, allow_hyphen_values = true)]
     frames: Option<u32>,
-    /// Print ratios to an earlier report (--json) of the same settings.
+    /// Print ratios to an earlier report (--json).
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     #[command(flatten)]
@@ -163,9 +163,9 @@ impl Options {
             scenes::load(name).map(|scene| MeasuredScene::of(&scene, &self.frame.settings(&scene)))
         };
         let scenes = scenes.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-        let run = self.run_settings();
-        baseline.check(&run, &self.engines(), &scenes).map_err(refuse)?;
-        baseline.warnings(&run).iter().for_each(|warning| terminal::warn(warning));
+        let (run, engines) = (self.run_settings(), self.engines());
+        baseline.check(&run, &engines, &scenes).map_err(refuse)?;
+        baseline.warnings(&run, &engines, &scenes).iter().for_each(|warning| terminal::warn(warning));
         Ok(baseline)
     }
 

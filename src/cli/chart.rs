@@ -39,12 +39,12 @@ const MAX_SEEDS: u32 = 1_000;
 /// Chart speed against accuracy.
 ///
 /// Five charts: intersection methods (cost of a test beside failures and errors, at the widest vector of the
-/// machine and scalar), pictures (error against time for every configuration, from one sample per pixel on,
-/// with the Pareto front as one line), frames (the error of a window's accumulated picture after a short
-/// time), display (one picture unfiltered, blurred, with FXAA, and denoised), and motion (frames of a moving
-/// camera with one sample per pixel, unfiltered, reprojected, and also denoised). Errors are measured against
-/// a ground truth that is rendered first, with other random numbers, and cached in the folder for the next
-/// run; those in motion against ground truths of their own.
+/// machine and scalar), pictures of a third of each side (error against time for every configuration, from
+/// one sample per pixel on, with the Pareto front as one line), frames (the error of a window's accumulated
+/// picture after a short time), display (one picture unfiltered, blurred, with FXAA, and denoised), and
+/// motion (frames of a moving camera with one sample per pixel, unfiltered, reprojected, and also denoised).
+/// Errors are measured against a ground truth that is rendered first, with other random numbers, and cached
+/// in the folder for the next run; those in motion against ground truths of their own.
 ///
 /// Times in drawings are multiples of the default's, comparable between machines; the tables have seconds.
 ///
@@ -54,7 +54,7 @@ const MAX_SEEDS: u32 = 1_000;
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray chart builtin:three builtin:cornell -o charts --budget 60")]
 pub struct Options {
-    /// Scene files, models, or builtin:NAME; the built-in bench scenes if none is given.
+    /// Scenes, models, builtin:NAME [default: the built-in bench scenes].
     #[arg(value_name = "SCENE")]
     scenes: Vec<OsString>,
     /// The folder for all files; created if it does not exist.
@@ -69,7 +69,7 @@ pub struct Options {
     /// Take each scene's own size, rounded up to multiples of 3, and bounces.
     #[arg(long, conflicts_with_all = ["size", "bounces"])]
     as_scene: bool,
-    /// Pixels of a frame, multiples of 3: pictures have a third of each side.
+    /// Pixels of a frame, multiples of 3.
     #[arg(long, value_name = "WxH", default_value = "240x135", value_parser = chart_size, allow_hyphen_values = true)]
     size: [u32; 2],
     /// Most scattering events on a path.

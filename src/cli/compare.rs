@@ -5,12 +5,12 @@ use super::error::{CliError, checked};
 use super::frame::FrameOptions;
 use super::numbers::{samples, threads};
 use super::scenes;
-use super::terminal::Printer;
+use super::terminal::{self, Printer};
 use crate::lane::WIDTHS;
 use crate::machine;
 use crate::measure::compare::{BYTES_PER_PIXEL, compare};
 use crate::render::{Renderer, Settings};
-use crate::report::compare::{FilmHash, HashReport, Report, hash_row, heading, meaning, row};
+use crate::report::compare::{FilmHash, HashReport, Report, doubt, hash_row, heading, meaning, row};
 use crate::report::settings::RunSettings;
 use crate::scene::{Loaded, builtin_names};
 use clap::Parser;
@@ -35,16 +35,16 @@ const HASH: &str = "Only print a hash of each scene's film, equal on every machi
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray compare builtin:three --samples 64")]
 pub struct Options {
-    /// Scene files, models, or builtin:NAME; the built-in scenes if none is given.
+    /// Scenes, models, builtin:NAME [default: the built-in scenes].
     #[arg(value_name = "SCENE")]
     scenes: Vec<OsString>,
-    /// Print the figures as JSON (schema octray-compare-1; of hashes octray-hash-1).
+    /// Print JSON (schemas octray-compare-1, octray-hash-1).
     #[arg(long)]
     json: bool,
     /// Worker threads [default: all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Only print a hash of each scene's film, equal on every machine with FMA.
+    /// Only print a hash of each film, to compare machines.
     #[arg(long, long_help = HASH)]
     hash: bool,
     /// Samples per pixel.
@@ -96,8 +96,9 @@ fn hash(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCo
 }
 
 fn compare_all(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCode, CliError> {
-    let mut report =
-        Report { schema: "octray-compare-1", settings: options.run_settings(), results: Vec::new() };
+    terminal::warn_of_debug_build("compare");
+    let (schema, settings) = ("octray-compare-1", options.run_settings());
+    let mut report = Report { schema, settings, reliable: false, results: Vec::new() };
     let defaults = Options::parse_from(["compare"]).run_settings();
     let mut failed = false;
     for spec in scenes {
@@ -110,7 +111,10 @@ fn compare_all(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result
         out.text(&row(&comparison))?;
         report.results.push(comparison);
     }
+    let doubt = doubt(&report.results);
+    report.reliable = doubt.is_none() && !cfg!(debug_assertions);
     out.text(&meaning(&report))?;
     out.report(&report)?;
+    doubt.iter().for_each(|warning| terminal::warn(warning));
     Ok(checked(failed))
 }

@@ -29,8 +29,8 @@ pub struct FrameOptions {
     pub seed: u32,
     #[command(flatten)]
     pub methods: MethodArgs,
-    /// Features that the pipeline is compiled for.
-    #[arg(long, value_name = "METHOD", default_value = PipelineChoice::default().name(), hide_default_value = true, value_parser = choice::<PipelineChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<PipelineChoice>("Features that the pipeline is compiled for, with the same picture"))]
+    /// Features of the compiled pipeline: the same picture.
+    #[arg(long, value_name = "METHOD", default_value = PipelineChoice::default().name(), hide_default_value = true, value_parser = choice::<PipelineChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<PipelineChoice>("Features of the compiled pipeline"))]
     pub pipeline: PipelineChoice,
 }
 

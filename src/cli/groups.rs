@@ -14,7 +14,7 @@ use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// The help of an argument that is a scene.
-pub const SCENE: &str = "A scene file (.json), a model (.obj, .gltf, .glb, .ply), or builtin:NAME";
+pub const SCENE: &str = "A scene (.json), a model (.obj, .gltf, .glb, .ply), or builtin:NAME";
 
 /// The heading of options that choose a method.
 pub const METHODS: &str = "Methods, explained by `octray methods`";
@@ -46,14 +46,14 @@ pub struct MethodArgs {
     /// Ray-triangle intersection.
     #[arg(long, value_name = "METHOD", value_parser = choice::<TriangleChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<TriangleChoice>("Ray-triangle intersection"))]
     pub triangle: Option<TriangleChoice>,
-    /// How rays find primitives: the same picture at another speed.
-    #[arg(long, value_name = "METHOD", value_parser = choice::<TraversalChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<TraversalChoice>("How rays find primitives, with the same picture"))]
+    /// How rays find primitives, with the same picture.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<TraversalChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<TraversalChoice>("How rays find primitives"))]
     pub traversal: Option<TraversalChoice>,
-    /// Lights of next event estimation: other noise, the same mean.
-    #[arg(long, value_name = "METHOD", value_parser = choice::<LightChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<LightChoice>("Lights that next event estimation samples, with other noise and the same mean"))]
+    /// Next event estimation: other noise, the same mean.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<LightChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<LightChoice>("Lights of next event estimation"))]
     pub lights: Option<LightChoice>,
     /// Source of random numbers: other noise, the same mean.
-    #[arg(long, value_name = "METHOD", value_parser = choice::<Sampler>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<Sampler>("Source of random numbers, with other noise and the same mean"))]
+    #[arg(long, value_name = "METHOD", value_parser = choice::<Sampler>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<Sampler>("Source of random numbers"))]
     pub sampler: Option<Sampler>,
 }
 

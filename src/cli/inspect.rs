@@ -5,7 +5,8 @@ use super::frame::FrameOptions;
 use super::groups::SCENE;
 use super::numbers::{MAX_SAMPLES, whole};
 use super::scenes;
-use super::terminal::Printer;
+use super::terminal::{self, Printer};
+use crate::diagnosis;
 use crate::reference::{PathSettings, Reference};
 use crate::render::{Renderer, Settings};
 use crate::report::inspection::Inspection;
@@ -34,13 +35,13 @@ use std::process::ExitCode;
 pub struct Options {
     #[arg(value_name = "SCENE", help = SCENE)]
     scene: OsString,
-    /// Also print the reasons for the traversal and the default methods.
+    /// Also print the reasons for traversal and methods.
     #[arg(long, conflicts_with = "pixel")]
     why: bool,
-    /// Print the report as JSON (schema octray-inspect-1, reasons included; of a path octray-path-1).
+    /// Print JSON (schemas octray-inspect-1, octray-path-1).
     #[arg(long)]
     json: bool,
-    /// Print a path of this pixel: column and row, from 0,0 at the upper left.
+    /// Print a path of this pixel (0,0: upper left).
     #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
     pixel: Option<[u32; 2]>,
     /// The number of the sample.
@@ -88,7 +89,21 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
     }
     let of_reference = PathSettings { resolution, max_bounces, seed, sampler: methods.sampler };
     let mut f64 = Reference::new(&scene).vertices(of_reference, x, y, sample);
-    let f32 = Renderer::new(&scene, settings).path([x, y], sample);
+    let mut renderer = Renderer::new(&scene, settings);
+    let f32 = renderer.path([x, y], sample);
+    if f32.last().is_some_and(|end| end.radiance == [0.0; 3]) {
+        // A small picture of the same view is as black as a large one.
+        let shrink = (right.max(bottom) / 240).max(1);
+        let small = resolution.map(|side| side.div_ceil(shrink));
+        renderer.set_view(&scene, &scene.camera, small, max_bounces);
+        let mut film = renderer.film();
+        renderer.add_samples(&mut film, 1);
+        let is_black = film.picture().pixels.iter().all(|pixel| *pixel == [0.0; 3]);
+        if is_black || f32.len() > max_bounces as usize {
+            let odd = diagnosis::warnings(&mut renderer, &scene, &film, None);
+            odd.iter().for_each(|odd| terminal::warn(&format!("{odd}.")));
+        }
+    }
     let mut of_engine = settings::json(&f32);
     let coordinates = scene.coordinates;
     for vertex in f64.iter_mut().filter(|vertex| vertex.primitive.is_some()) {

@@ -18,32 +18,30 @@ use std::time::Duration;
 
 /// Render a picture into a file.
 ///
-/// The file's ending decides its format: .png and .jpg for display, .exr and .hdr for linear radiance. It is
-/// written at the end, over an existing one. The first limit reached ends the rendering.
+/// The file's ending decides its format: .png and .jpg for display, .exr and .hdr for linear radiance. It
+/// replaces an existing one. The first limit reached ends the rendering.
 ///
 /// --target-error estimates the error of blocks of 16×16 pixels after 16, 32, 64, … samples: the root mean
 /// square of the standard errors of their luminance, relative to it, or to the block's mean where a pixel is
 /// brighter, or to a tenth of the picture's brightness where it is darker. Blocks that reach the target stop.
-/// The estimate can miss light that hardly any sample finds, such as caustics, and blocks that it stops too
-/// early are too dark: by less than a fiftieth of a per cent in most scenes, by some per cent where much
-/// light comes from one path in ten thousand.
+/// It can miss light that hardly any sample finds, such as caustics; blocks that stop too early are too dark,
+/// by less than 0.02 % in most scenes, by some per cent where one path in ten thousand brings much light.
 ///
 /// A view (.json, format octray-view-1) has defaults for options in its `render`; any limit given replaces
 /// its samples. With --checkpoint the same command goes on after a crash, Ctrl-C or a time limit, also with
 /// more --samples, to the bits of one run; time limits count from each start and frame. A checkpoint of
 /// another scene, setting, version or rounding is refused. If it cannot be saved, a warning says so and the
 /// rendering goes on; if not at the end either, the exit code is 2. With --shard, part I of N has every N-th
-/// tile of 16×16 pixels, and `octray merge` joins the parts into the bits of one run. A part goes on where it
-/// was interrupted if --checkpoint names it too.
+/// tile of 16×16 pixels, and `octray merge` joins the parts into the bits of one run. A part that
+/// --checkpoint names too goes on where it was interrupted.
 ///
-/// Ctrl-C writes the picture so far, with exit code 130 and `interrupted` in JSON: where a pass takes long,
-/// some pixels have one sample more than others, and those without one are black. A second Ctrl-C writes
-/// nothing; the last checkpoint stays.
+/// Ctrl-C writes the picture so far, with exit code 130 and `interrupted` in JSON: some pixels may have one
+/// sample more than others, and those without one are black. A second Ctrl-C writes nothing.
 #[derive(Debug, clap::Parser)]
 #[command(after_long_help = "Examples:
   octray render builtin:three -o three.png
   octray render scene.json -o scene.exr --samples 1024 --size 1920x1080
-  octray render scene.json -o scene.png --target-error 0.05 --time-limit 600 --samples-map where.png
+  octray render scene.json -o scene.png --target-error 0.05 --time-limit 600
   octray render scene.json -o scene.exr --samples 4096 --checkpoint scene.part
   octray render scene.json -o 3.part --samples 4096 --shard 3/8
   octray render path.json -o shot-####.png --frames 1..48")]
@@ -55,19 +53,19 @@ pub struct RenderOptions {
     pub output: PathBuf,
     #[command(flatten)]
     pub limits: LimitOptions,
-    /// Also write the samples of each pixel, as numbers (.exr, .hdr) or shades (.png, .jpg).
+    /// Also write the samples of each pixel (.exr: numbers, .png: shades).
     #[arg(long, value_name = "FILE", help_heading = LONG, hide_short_help = true)]
     pub samples_map: Option<PathBuf>,
-    /// Save every few seconds into FILE; go on from it if it is there.
+    /// Save every few seconds, and go on from there.
     #[arg(long, value_name = "FILE", help_heading = LONG)]
     pub checkpoint: Option<PathBuf>,
-    /// Seconds between checkpoints [default: 5, or 50 times as long as saving takes].
+    /// Seconds between checkpoints [default: 5, or 50 × the time of saving].
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true, requires = "checkpoint", help_heading = LONG, hide_short_help = true)]
     pub checkpoint_interval: Option<Duration>,
-    /// Render part I of N for `octray merge`; of frames every N-th.
+    /// Part I of N for octray merge; of frames every N-th.
     #[arg(long, value_name = "I/N", value_parser = shard, allow_hyphen_values = true, help_heading = LONG)]
     pub shard: Option<Shard>,
-    /// Render frames of a view's keyframes; # in names is the number.
+    /// Frames of a view's keyframes; # is their number.
     #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true, help_heading = LONG)]
     pub frames: Option<RangeInclusive<u32>>,
     #[command(flatten)]
@@ -75,7 +73,7 @@ pub struct RenderOptions {
     /// Print the report as JSON (schema octray-render-1).
     #[arg(long)]
     pub json: bool,
-    /// Print time by stage, rays by kind, SIMD utilisation, tests per ray.
+    /// Print time by stage, rays, SIMD use, tests per ray.
     #[arg(long)]
     pub stats: bool,
 }

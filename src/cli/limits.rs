@@ -27,16 +27,16 @@ const TARGET_HELP: &str = "Stop at a relative standard error of E, such as 0.05 
 /// When a rendering ends: at the limit that is reached first.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct LimitOptions {
-    /// Samples per pixel; four times as many halve the noise [default: 64].
+    /// Samples per pixel [default: 64].
     #[arg(long, help_heading = LIMITS, alias = "spp", value_name = "N", value_parser = samples, allow_hyphen_values = true, long_help = SAMPLES_HELP)]
     pub samples: Option<u32>,
     /// Stop at this relative standard error, such as 0.05.
     #[arg(long, help_heading = LIMITS, value_name = "E", value_parser = target_error, allow_hyphen_values = true, long_help = TARGET_HELP)]
     pub target_error: Option<f64>,
-    /// With --target-error: samples per pixel before the first estimate [default: 16].
+    /// With --target-error: samples before the first estimate [default: 16].
     #[arg(long, help_heading = LIMITS, value_name = "N", value_parser = whole::<FEWEST_SAMPLES, MAX_SAMPLES>, allow_hyphen_values = true, requires = "target_error", hide_short_help = true)]
     pub min_samples: Option<u32>,
-    /// Stop after so many seconds of tracing, if possible between passes.
+    /// Stop after so many seconds, between passes.
     #[arg(long, help_heading = LIMITS, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
     pub time_limit: Option<Duration>,
 }

@@ -27,10 +27,10 @@ pub struct Options {
     /// The picture file: .png, .jpg, .exr or .hdr.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Stops by which .png and .jpg are brightened [default: the parts'].
+    /// Exposure of .png and .jpg [default: the parts'].
     #[arg(long, value_name = "STOPS", value_parser = exposure, allow_hyphen_values = true)]
     exposure: Option<f32>,
-    /// Tone mapping of .png and .jpg: clamp, reinhard, aces [default: the parts'].
+    /// Tone: clamp, reinhard, aces [default: the parts'].
     #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>(), hide_possible_values = true)]
     tone: Option<Operator>,
     /// Print the report as JSON (schema octray-merge-1).

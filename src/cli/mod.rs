@@ -55,6 +55,7 @@ mod view;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Parser, Subcommand};
 use error::{BAD_INPUT, CliError};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// A data-oriented path tracer for CPUs.
@@ -127,13 +128,24 @@ pub fn main() -> ExitCode {
         return report(&error);
     }
     // Exits on wrong usage with code 2, and after --help and --version with 0.
-    let args = Args::try_parse().unwrap_or_else(|error| without_tip(error).exit());
+    let args = Args::try_parse_from(arguments(std::env::args_os()))
+        .unwrap_or_else(|error| without_tip(error).exit());
     match run(args, &verdict) {
         Ok(code) => code,
         // The reader closed the pipe, as `head` does: not an error.
         Err(CliError::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => report(&error),
     }
+}
+
+/// `octray help COMMAND`, whatever options follow, as `octray COMMAND --help`.
+fn arguments(given: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut given: Vec<_> = given.collect();
+    if given.get(1).is_some_and(|first| first == "help") {
+        given.retain(|word| word != "help" && !word.to_string_lossy().starts_with('-'));
+        given.push("--help".into());
+    }
+    given
 }
 
 /// The error without clap's tip to pass an unknown option as a value: no scene is named like an option.

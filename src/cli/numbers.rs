@@ -3,6 +3,7 @@
 //! For: one function a kind of number.
 
 use crate::scene::MAX_SIDE;
+use crate::tone::MAX_EXPOSURE;
 use crate::wording::grouped;
 use std::str::FromStr;
 use std::time::Duration;
@@ -11,8 +12,6 @@ use std::time::Duration;
 pub const MAX_SAMPLES: u32 = 1 << 24;
 /// Most worker threads: beyond any machine, below what exhausts one.
 const MAX_THREADS: u32 = 1_024;
-/// Largest exposure in stops, up or down: past f32's own range in visible light.
-const MAX_EXPOSURE: f32 = 64.0;
 /// Seconds: less is less than a tile takes, more is a year.
 const SECONDS: [f64; 2] = [0.001, 31_536_000.0];
 

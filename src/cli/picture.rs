@@ -17,31 +17,31 @@ pub struct PictureOptions {
     /// Pixels of the picture [default: the scene's].
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
-    /// Most scattering events; 0 shows emission [default: the scene's].
+    /// Most scattering events [default: the scene's].
     #[arg(long, value_name = "N", value_parser = whole::<0, MAX_BOUNCES>, allow_hyphen_values = true)]
     pub bounces: Option<u32>,
-    /// Seed of the random numbers, which fixes every bit [default: 0].
+    /// Seed of the random numbers [default: 0].
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true)]
     pub seed: Option<u32>,
-    /// Worker threads, with the same picture [default: all cores].
+    /// Worker threads [default: all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     pub threads: Option<usize>,
     /// Rays traced at a time, with the same picture.
-    #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true, long_help = one_of::<LaneChoice>("Rays traced at a time, with the same picture"))]
+    #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true, long_help = one_of::<LaneChoice>("Rays traced at a time"))]
     pub lanes: Option<LaneChoice>,
-    /// Clamp samples to this radiance a channel, with bias [default: none].
+    /// Clamp samples, with bias [default: no limit].
     #[arg(long, value_name = "MOST", value_parser = clamp, allow_hyphen_values = true)]
     pub clamp: Option<f32>,
-    /// Stops by which .png, .jpg and display are brightened [default: 0].
+    /// Exposure of .png, .jpg and display [default: 0].
     #[arg(long, value_name = "STOPS", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<f32>,
     /// Tone mapping of .png, .jpg and display.
-    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>(), hide_possible_values = true, long_help = one_of::<Operator>("Tone mapping of .png, .jpg and display"))]
+    #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>(), hide_possible_values = true, long_help = one_of::<Operator>("Tone mapping"))]
     pub tone: Option<Operator>,
     #[command(flatten)]
     pub methods: MethodArgs,
-    /// Features that the pipeline is compiled for, with the same picture.
-    #[arg(long, value_name = "METHOD", value_parser = choice::<PipelineChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<PipelineChoice>("Features that the pipeline is compiled for, with the same picture"))]
+    /// Features of the compiled pipeline: the same picture.
+    #[arg(long, value_name = "METHOD", value_parser = choice::<PipelineChoice>(), hide_possible_values = true, help_heading = METHODS, long_help = one_of::<PipelineChoice>("Features of the compiled pipeline"))]
     pub pipeline: Option<PipelineChoice>,
 }
 

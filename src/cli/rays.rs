@@ -53,22 +53,22 @@ pub struct Options {
     /// Print the figures as JSON (schema octray-rays-1).
     #[arg(long)]
     json: bool,
-    /// Trace once more, not timed: box, triangle and sphere tests per ray.
+    /// Print box, triangle and sphere tests per ray.
     #[arg(long)]
     stats: bool,
-    /// Write rays, nearest hits and triangles; see perf/README.md.
+    /// Write rays, hits, triangles (see perf/README.md).
     #[arg(long, value_name = "DIR")]
     dump: Option<PathBuf>,
     /// Pixels, one primary ray each.
     #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = rays_size, allow_hyphen_values = true)]
     size: [u32; 2],
-    /// Worker threads [default: one, and once more all cores].
+    /// Worker threads [default: one, then all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Measure this traversal only; auto: all that suit the rays.
+    /// Measure this traversal [default: all that suit].
     #[arg(long, value_name = "METHOD", default_value = TraversalChoice::default().name(), value_parser = choice::<TraversalChoice>(), hide_possible_values = true, hide_default_value = true, long_help = one_of::<TraversalChoice>("Measure one traversal; auto measures all that suit the kind of rays"))]
     traversal: TraversalChoice,
-    /// Measured passes [default: at least 10, and as many as a second holds].
+    /// Measured passes [default: a second, at least 10].
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_PASSES>, allow_hyphen_values = true)]
     passes: Option<u32>,
     /// Seed of the random numbers.

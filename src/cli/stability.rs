@@ -34,10 +34,10 @@ pub struct Options {
     /// Print the figures as JSON (schema octray-stability-1).
     #[arg(long)]
     json: bool,
-    /// Also write the JSON and a chart of each test case (SVG) into this folder.
+    /// Also write JSON and charts (SVG) into this folder.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Try ten times as many inputs, for rarer failures; five minutes on two cores.
+    /// Try ten times as many inputs, for five minutes.
     #[arg(long)]
     thorough: bool,
     /// Run these test cases only.

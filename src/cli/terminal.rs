@@ -39,11 +39,11 @@ pub fn note(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
-/// Warns in a debug build that measured figures mean nothing; `command` as typed after `octray`.
+/// Warns in a debug build that its speeds mean nothing; `command` as typed after `octray`.
 pub fn warn_of_debug_build(command: &str) {
     if cfg!(debug_assertions) {
         warn(&format!(
-            "this is a debug build: its figures mean nothing. Use cargo run --release -- {command}."
+            "this is a debug build: its speeds mean nothing. Use cargo run --release -- {command}."
         ));
     }
 }

@@ -39,13 +39,13 @@ const MAX_FPS: u32 = 1_000;
 #[derive(Debug, clap::Parser)]
 #[command(after_long_help = after_help())]
 pub struct Options {
-    /// Scene files, models, folders of them, or builtin:NAME [default: the built-in scenes].
+    /// Scenes, models, folders, builtin:NAME [default: all built-in].
     #[arg(value_name = "SCENE")]
     scenes: Vec<OsString>,
     /// Draw in this terminal instead of a window.
     #[arg(long)]
     terminal: bool,
-    /// Keep so many frames per second, with coarser pixels if necessary.
+    /// Hold so many frames per second, by coarser pixels.
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_FPS>, allow_hyphen_values = true)]
     target_fps: Option<u32>,
     /// The folder for screenshots.
@@ -54,7 +54,7 @@ pub struct Options {
     /// End after so many frames.
     #[arg(long, value_name = "N", value_parser = whole::<1, { u32::MAX }>, allow_hyphen_values = true)]
     frames: Option<u32>,
-    /// At the end, print rates and times as JSON (schema octray-window-1).
+    /// Print rates and times (schema octray-window-1).
     #[arg(long)]
     json: bool,
     #[command(flatten)]

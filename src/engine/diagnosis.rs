@@ -11,14 +11,12 @@ use crate::camera::Tile;
 use crate::film::{Film, TileSums};
 use crate::render::Renderer;
 use crate::scene::{MAX_BOUNCES, MaterialKind, Scene, Sphere};
-use crate::tone::Tone;
+use crate::tone::{MAX_EXPOSURE, Tone};
 
 /// Displayed intensities, of which 1 is white: sRGB 25 and 137 of 255 for the first two.
 const DARK: f32 = 0.01;
 const DIM: f32 = 0.25;
 const BURNT: f32 = 1.5;
-/// Most stops that are advised: beyond, noise is all that shows.
-const MOST_STOPS: f32 = 20.0;
 /// Tiles in which paths are traced again with more bounces, about.
 const PROBED_TILES: usize = 36;
 /// Paths with fewer bounces are short on purpose.
@@ -114,22 +112,32 @@ impl Brightness {
         let Self { most, bright, half } = *self;
         let [shown_most, shown_bright, shown_half] =
             [most, bright, half].map(|radiance| radiance * tone.exposure.exp2());
-        // Shows this radiance as white.
-        let stops = |white: f32| (-white.log2().round()).clamp(-MOST_STOPS, MOST_STOPS);
+        // What shows this radiance as white.
+        let mend = |white: f32, lights: &str| {
+            let stops = -white.log2().round();
+            match stops.abs() <= MAX_EXPOSURE {
+                true => format!("try --exposure {stops:+}, or {lights} lights"),
+                false => {
+                    format!("beyond any --exposure: make all lights {:.0e} times as bright", white.recip())
+                }
+            }
+        };
         // Two digits that count.
-        let digits = |x: f32| (1.0 - x.log10().floor()).clamp(0.0, 9.0) as usize;
+        let digits = |x: f32| match x.log10().floor() {
+            exponent if (-4.0..6.0).contains(&exponent) => {
+                format!("{x:.0$}", (1.0 - exponent).max(0.0) as usize)
+            }
+            _ => format!("{x:.1e}"),
+        };
         if shown_bright < DARK && shown_most < DIM {
-            let stops = stops(if bright > 0.0 { bright } else { most });
-            return Some(format!(
-                "the picture is nearly black, its brightest pixel is {most:.0$}: try --exposure {stops:+}, or \
-                 brighter lights",
-                digits(most)
-            ));
+            let mend = mend(if bright > 0.0 { bright } else { most }, "brighter");
+            let most = digits(most);
+            return Some(format!("the picture is nearly black, its brightest pixel is {most}: {mend}"));
         }
         let is_white = shown_half > BURNT && tone.operator.map(shown_half) > 0.998;
         is_white.then(|| {
-            let (digits, stops) = (digits(half), stops(1.5 * half));
-            format!("half of the picture is white, brighter than {half:.digits$}: try --exposure {stops:+}")
+            let mend = mend(1.5 * half, "dimmer");
+            format!("half of the picture is white, brighter than {}: {mend}", digits(half))
         })
     }
 }

@@ -17,11 +17,11 @@ pub struct PathVertex<T> {
     pub normal: [T; 3],
     /// The product of weights on arrival.
     pub throughput: [T; 3],
-    /// Emitted radiance, times throughput and the MIS weight of BSDF sampling.
+    /// What emission adds to `radiance`: times throughput and the MIS weight of BSDF sampling.
     pub emitted: [T; 3],
     /// Of the shadow ray of next event estimation; `None` without one, and in the reference.
     pub light_direction: Option<[T; 3]>,
-    /// What that light adds, times throughput and MIS weight; 0 where it is occluded.
+    /// What that light adds to `radiance`: times throughput and MIS weight; 0 where it is occluded.
     pub light: Option<[T; 3]>,
     /// The path's radiance so far, this vertex included.
     pub radiance: [T; 3],

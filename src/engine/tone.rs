@@ -6,6 +6,9 @@ use crate::choice::choices;
 use crate::film::Picture;
 use std::sync::LazyLock;
 
+/// Largest exposure in stops, up or down: past f32's own range in visible light.
+pub const MAX_EXPOSURE: f32 = 64.0;
+
 /// Exposure and tone curve: from radiance to displayed intensity.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Tone {

@@ -5,7 +5,7 @@
 use super::bench::{MeasuredScene, OverBaseline, Report, SCHEMA, engine_name};
 use super::numbers::ratio;
 use super::settings::RunSettings;
-use super::text::{paragraph, row};
+use super::text::{if_doubtful, paragraph, row};
 use crate::machine::Machine;
 use crate::measure::bench::Engine;
 use serde::Deserialize;
@@ -65,9 +65,13 @@ impl Baseline {
             return Err(format!("it has other settings: {olds}, here {news}; give the same"));
         }
         if let Some(scene) = scenes.iter().find(|scene| self.scenes.iter().all(|old| !old.is_same(scene))) {
+            let name = &scene.scene;
+            if let Some(old) = self.scenes.iter().find(|old| old.scene == *name) {
+                let changes = old.changes(scene);
+                return Err(format!("`{name}` has changed since ({changes}): measure it anew"));
+            }
             let names: Vec<&str> = self.scenes.iter().map(|old| old.scene.as_str()).collect();
-            let names = names.join(", ");
-            return Err(format!("it has not measured this `{}`: its scenes are {names}", scene.scene));
+            return Err(format!("it has not measured `{name}`: its scenes are {}", names.join(", ")));
         }
         let has = |engine: &Engine| self.results.iter().any(|old| old.is_of(engine.lanes, engine.threads));
         match engines.iter().any(has) {
@@ -76,23 +80,38 @@ impl Baseline {
         }
     }
 
-    /// Why the ratios may not hold.
-    pub fn warnings(&self, settings: &RunSettings) -> Vec<String> {
+    /// Why the ratios may not hold, and which there are not.
+    pub fn warnings(
+        &self,
+        settings: &RunSettings,
+        engines: &[Engine],
+        scenes: &[MeasuredScene],
+    ) -> Vec<String> {
         let [old, new] =
             [&self.settings, settings].map(|run| Machine { commit: String::new(), ..run.machine.clone() });
         let machine = (old != new).then(|| {
             format!("the baseline is of another machine or build: {} ({})", self.settings.machine, old.flags)
         });
         let busy = (!self.reliable).then(|| "the baseline was not reliable when it was measured".to_owned());
-        machine.into_iter().chain(busy).map(|warning| warning + ".").collect()
+        let is_left_out = |old: &&MeasuredScene| scenes.iter().all(|new| !old.is_same(new));
+        let lacking = self.scenes.iter().filter(is_left_out).map(|old| old.scene.clone());
+        let is_left_out = |old: &&Speed| engines.iter().all(|new| !old.is_of(new.lanes, new.threads));
+        let others = self.results.iter().take(self.engines()).filter(is_left_out);
+        let lacking: Vec<_> = lacking.chain(others.map(|old| engine_name(old.lanes, old.threads))).collect();
+        let lacking = (!lacking.is_empty()).then(|| format!("only the baseline has {}", lacking.join("; ")));
+        machine.into_iter().chain(busy).chain(lacking).map(|warning| warning + ".").collect()
+    }
+
+    /// The number of engines of each scene.
+    fn engines(&self) -> usize {
+        (self.results.len() / self.scenes.len().max(1)).max(1)
     }
 
     /// The ratios of all engines of a new report that the baseline has.
     pub fn ratios(&self, report: &Report) -> Vec<OverBaseline> {
-        let engines = self.results.len() / self.scenes.len().max(1);
         let mut ratios = Vec::new();
         for (scene, results) in report.scenes.iter().zip(report.engines()) {
-            let of_scene = self.scenes.iter().zip(self.results.chunks(engines.max(1)));
+            let of_scene = self.scenes.iter().zip(self.results.chunks(self.engines()));
             let olds = of_scene.filter(|(old, _)| old.is_same(scene)).map(|(_, olds)| olds).next();
             for new in results {
                 let old = olds.into_iter().flatten().find(|old| old.is_of(new.lanes, new.threads));
@@ -111,7 +130,7 @@ impl Baseline {
     /// The ratios as a table.
     pub fn text(&self, report: &Report) -> String {
         let ratios = report.over_baseline.as_deref().unwrap_or_default();
-        let doubt = if self.reliable && report.reliable { "" } else { " Not reliable: see the warnings." };
+        let doubt = if_doubtful(self.reliable && report.reliable, "ratios");
         let meaning = format!(
             "New over old, frames per second (old: commit {}): of the median frames, and in brackets from the \
              slow tenth of the new over the fast tenth of the old to the reverse.{doubt}",

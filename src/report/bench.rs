@@ -3,7 +3,7 @@
 //! For: [`Report`].
 
 use super::numbers::{figure, ratio};
-use super::settings::{RunSettings, own_sizes, traversals};
+use super::settings::{RunSettings, json, own_sizes, traversals};
 use super::stats::{self, engine};
 use super::text::{self, paragraph};
 use crate::camera::MAX_PIXELS;
@@ -17,8 +17,9 @@ use crate::scene::Scene;
 use crate::wording::{counted, grouped};
 use serde::{Deserialize, Serialize};
 
-/// A 1 % low below this share of the median means that other programs took the processor.
-const BUSY: f64 = 0.6;
+/// A 1 % low below this share of the median means that other programs took the processor; so do the slow
+/// rounds of a speed-up beside the fast ones.
+pub const BUSY: f64 = 0.6;
 
 /// Where all cores are less than so many times as fast as one, they are not to be had.
 const LEAST_SCALING: f64 = 1.2;
@@ -74,6 +75,14 @@ impl MeasuredScene {
     /// Are both one scene, whatever its name?
     pub fn is_same(&self, other: &Self) -> bool {
         (self.size, self.bounces, &self.content) == (other.size, other.bounces, &other.content)
+    }
+
+    /// What differs, by name.
+    pub fn changes(&self, other: &Self) -> String {
+        let [here, there] = [self, other].map(|scene| json(&scene.content));
+        let parts = here.as_object().into_iter().flatten().filter(|(part, mark)| there[*part] != **mark);
+        let parts: Vec<&str> = parts.map(|(part, _)| part.as_str()).collect();
+        if parts.is_empty() { "size or bounces".into() } else { parts.join(", ") }
     }
 }
 
@@ -224,10 +233,10 @@ pub fn doubt(results: &[Measurement]) -> Option<(&'static str, String)> {
     })
 }
 
-/// The doubt in a sentence about a figure; a debug build is one too.
+/// The doubt in a sentence about a figure; a debug build is the first.
 fn unreliable(report: &Report) -> String {
     let debug = cfg!(debug_assertions).then_some("of a debug build");
-    let why = doubt(&report.results).map(|(why, _)| why).or(debug);
+    let why = debug.or_else(|| doubt(&report.results).map(|(why, _)| why));
     why.map(|why| format!(", {why}: not reliable")).unwrap_or_default()
 }
 
@@ -412,12 +421,12 @@ mod tests {
             "Speed-up: 8 lanes are 6.0 to 7.0 times as fast as scalar (10 to 90 % of the rounds: 5.8 to 7.5)";
         assert!(told(&report).starts_with(expected), "{}", told(&report));
         report.results[0].fps_low_1_percent = 10.0;
-        assert!(told(&report).ends_with(", on a busy machine: not reliable. "), "{}", told(&report));
+        let why = if cfg!(debug_assertions) { "of a debug build" } else { "on a busy machine" };
+        let why = format!(", {why}: not reliable");
+        assert!(told(&report).ends_with(&format!("{why}. ")), "{}", told(&report));
         let summary = summary(&report, &report.settings);
         assert!(
-            summary.contains(
-                "same 100 fps (6.0 × scalar), on a busy machine: not reliable; 8 lanes, 2 threads;"
-            ),
+            summary.contains(&format!("same 100 fps (6.0 × scalar){why}; 8 lanes, 2 threads;")),
             "{summary}"
         );
         report.results.iter_mut().for_each(|result| *result = self::result("same", 99, 90.0));

@@ -2,6 +2,7 @@
 //!
 //! For: [`Report`], [`HashReport`].
 
+use super::bench::BUSY;
 use super::numbers::ratio;
 use super::settings::{RunSettings, traversals};
 use super::text;
@@ -20,6 +21,8 @@ pub struct Report {
     pub schema: &'static str,
     /// How the pictures were made.
     pub settings: RunSettings,
+    /// Whether nothing tells of a busy machine or of a debug build.
+    pub reliable: bool,
     /// One a scene.
     pub results: Vec<Comparison>,
 }
@@ -102,18 +105,28 @@ pub fn row(result: &Comparison) -> String {
     row
 }
 
+/// The warning of a busy machine, by the scene whose rounds differ most.
+pub fn doubt(results: &[Comparison]) -> Option<String> {
+    let shares = results.iter().filter_map(|result| {
+        let [least, most] = result.speedup?.spread;
+        Some((least / most, format!("speed-ups of {} are from {least:.1} to {most:.1}", result.scene)))
+    });
+    text::busy(shares, BUSY)
+}
+
 /// The table in words.
 pub fn meaning(report: &Report) -> String {
     let differ = report.results.iter().any(|result| result.mismatched_pixels > 0);
     let wrong: usize = report.results.iter().map(|result| result.reference.mismatched_hits).sum();
     let right = match wrong {
-        0 => "every compared primary hit is right".to_string(),
+        0 => "Every compared primary hit is right".to_string(),
         _ => counted(wrong, "primary hit is", "primary hits are") + " WRONG by the f64 reference",
     };
     let same = match differ {
-        false => "pictures of 1, 8 and 16 lanes are the same, bit by bit",
+        false => "Pictures of 1, 8 and 16 lanes are the same, bit by bit",
         true => "SIMD and scalar DIFFER: a bug in octray, please report it with the scene",
     };
     let scenes = report.results.iter().map(|result| (result.scene.as_str(), result.traversal));
-    format!("\n{}{same}; {right}.\n", traversals(scenes))
+    let doubt = text::if_doubtful(report.reliable, "speed-ups");
+    format!("\n{}{same}.\n{right}.{doubt}\n", traversals(scenes))
 }

@@ -3,12 +3,13 @@
 use super::inspection::type_of;
 use super::text::row;
 use crate::scene::Scene;
+use crate::wording::counted;
 use serde_json::Value;
 
 /// The name of a row, then f64's and f32's three numbers.
 const WIDTHS: [isize; 7] = [-16, 16, 16, 16, 19, 16, 16];
 const ROWS: [&str; 8] =
-    ["distance", "point", "normal", "throughput", "emitted", "light_direction", "light", "radiance"];
+    ["distance", "point", "normal", "throughput", "+ emitted", "light direction", "+ light", "= radiance"];
 
 /// The JSON report as text for people. Rows that say nothing are left out.
 pub fn text(report: &Value, scene: &Scene) -> String {
@@ -17,8 +18,11 @@ pub fn text(report: &Value, scene: &Scene) -> String {
     let [x, y] = [0, 1].map(|at| whole(&report["pixel"][at]));
     let [width, height] = [0, 1].map(|at| whole(&settings["size"][at]));
     let mut text = format!(
-        "pixel {x},{y} of {width}×{height}, sample {}, up to {} bounces, seed {}\n\n",
-        report["sample"], settings["bounces"], settings["seed"]
+        "pixel {x},{y} of {width}×{height}, sample {}, up to {}, seed {}\n\
+         + is what the path adds to the pixel, times the throughput; = is their sum so far\n\n",
+        report["sample"],
+        counted(whole(&settings["bounces"]), "bounce", "bounces"),
+        settings["seed"]
     );
     text += &row(&WIDTHS, ["", "f64: reference", "", "", "f32: engine"]);
     let count = ["f64", "f32"].map(|key| report[key].as_array().map_or(0, Vec::len));
@@ -28,11 +32,12 @@ pub fn text(report: &Value, scene: &Scene) -> String {
         let parts = if report["part_at"] == at { "\nThe two paths part here.\n" } else { "" };
         let place = if a == b { a } else { format!("f64 {a}; f32 {b}") };
         text += &format!("{parts}\nvertex {at}: {place}\n");
-        for key in ROWS {
-            let [a, b] = vertices.map(|vertex| numbers(&vertex[key]));
-            let is_sum = !b.is_empty() && ["light", "radiance"].contains(&key);
+        for label in ROWS {
+            let key = label.trim_start_matches(['+', '=', ' ']).replace(' ', "_");
+            let [a, b] = vertices.map(|vertex| numbers(&vertex[&key]));
+            let is_sum = !b.is_empty() && ["+ light", "= radiance"].contains(&label);
             if is_sum || a.iter().chain(&b).any(|&number| number != 0.0) {
-                let cells = [&[key.replace('_', " ")], &cells(&a)[..], &cells(&b)[..]].concat();
+                let cells = [&[label.into()], &cells(&a)[..], &cells(&b)[..]].concat();
                 text += &format!("{}\n", row(&WIDTHS, cells).trim_end());
             }
         }

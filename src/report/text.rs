@@ -1,6 +1,6 @@
 //! Text for terminals of ordinary width: paragraphs, rows of tables, the warning of a busy machine.
 //!
-//! For: [`paragraph`], [`item`], [`row`], [`busy`].
+//! For: [`paragraph`], [`item`], [`row`], [`busy`], [`if_doubtful`].
 
 use textwrap::{Options, WordSplitter};
 
@@ -44,6 +44,11 @@ pub fn busy(shares: impl Iterator<Item = (f64, String)>, bound: f64) -> Option<S
     Some(format!(
         "the machine is busy: {evidence}; end other programs and measure again: ratios are wrong, too."
     ))
+}
+
+/// What follows a sentence about `speeds`.
+pub fn if_doubtful(reliable: bool, speeds: &str) -> String {
+    if reliable { String::new() } else { format!(" The {speeds} are not reliable: see the warnings.") }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! `octray inspect --pixel`: one path, vertex by vertex.
 
-use crate::desk::{Desk, assert_fits, list, number};
+use crate::desk::{Desk, SCENE, assert_fits, list, number};
 use serde_json::{Value, json};
 
 #[test]
@@ -24,8 +24,17 @@ fn a_path_is_shown_from_the_camera_to_the_sky() {
         }
     }
     let said = desk.run("inspect builtin:cornell --pixel 60,90 --lights on");
-    assert!(said.contains("\nlight direction ") && said.contains("\nlight  "), "{said}");
+    assert!(said.contains("\nlight direction ") && said.contains("\n+ light  "), "{said}");
+    assert!(said.contains("\n= radiance ") && said.contains("times the throughput"), "{said}");
     assert_fits(&said);
+
+    // As render says of the whole picture; a pixel that is not black has no such reason.
+    let told = |line: &str| desk.warnings(line).contains("black: the camera is inside spheres[0]");
+    desk.write("inside.json", SCENE.replace("[0, 0, 5]", "[0, 0, 0.5]"));
+    assert!(
+        told("inspect inside.json --pixel 4,3") && told("inspect inside.json --pixel 4,3 --size 3000x2000")
+    );
+    assert!(!told("inspect scene.json --pixel 4,3 --as-scene"));
 
     desk.refuses("inspect scene.json --pixel 8,0 --as-scene", &["--pixel 8,0", "0,0 to 7,7"]);
     desk.refuses("inspect scene.json --pixel 3", &["--pixel", "X,Y"]);

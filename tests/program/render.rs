@@ -217,6 +217,27 @@ fn pictures_that_are_dark_or_white_on_purpose_have_no_warning() {
     }
 }
 
+/// Far away, or weak: the advice is the exposure in all, whatever was given, or that none helps.
+#[test]
+fn advice_on_exposure_ends_at_a_picture_that_can_be_seen() {
+    let desk = Desk::new();
+    let told = |light: f64, exposure: &str| {
+        desk.write("scene.json", balls(FRONT, light, ""));
+        let said = desk.warnings(&format!("render scene.json -o a.png --samples 4 --exposure {exposure}"));
+        said.lines().filter(|line| line.contains("the picture")).collect::<String>()
+    };
+    for given in ["0", "20"] {
+        let said = told(1e-12, given);
+        assert!(said.contains("its brightest pixel is 1.0e-12: try --exposure +40, or brighter"), "{said}");
+    }
+    assert_eq!(told(1e-12, "40"), "");
+    assert!(told(1e12, "0").contains("e11: try --exposure -"));
+    for given in ["0", "64"] {
+        let said = told(1e-30, given);
+        assert!(said.contains("beyond any --exposure: make all lights 1e30 times as bright"), "{said}");
+    }
+}
+
 #[test]
 fn warnings_are_the_same_for_any_number_of_threads() {
     let desk = Desk::new();

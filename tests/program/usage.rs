@@ -5,8 +5,8 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
 
-const COMMANDS: [&str; 9] =
-    ["bench", "compare", "render", "merge", "rays", "stability", "convert", "inspect", "methods"];
+const COMMANDS: [&str; 10] =
+    ["bench", "compare", "render", "merge", "rays", "chart", "stability", "convert", "inspect", "methods"];
 
 #[test]
 fn octray_alone_says_what_to_try() {
@@ -23,13 +23,25 @@ fn help_explains_every_command_with_an_example() {
     let desk = Desk::new();
     desk.octray("--help").assert().success().stdout(contains("Exit codes")).stderr("");
     assert!(desk.run("--version").contains(env!("CARGO_PKG_VERSION")));
-    for command in COMMANDS {
+    for command in COMMANDS.into_iter().chain(cfg!(feature = "viewer").then_some("view")) {
         let example = contains("Example").and(contains(format!("\n  octray {command} ")));
         let help = contains("Usage: octray").and(example);
         desk.octray(&format!("{command} --help")).assert().success().stderr("").stdout(help);
-        let lines = |option| desk.run(&format!("{command} {option}")).lines().count();
-        assert!(lines("-h") <= 40 && lines("--help") <= 130, "{command}: less help is read more");
+        let said = |line: String| {
+            let mut octray = desk.octray(&line);
+            let said = octray.env("COLUMNS", "80").assert().success().get_output().stdout.clone();
+            String::from_utf8(said).unwrap()
+        };
+        let [short, long] = ["-h", "--help"].map(|option| said(format!("{command} {option}")));
+        let lines = [&short, &long].map(|text| text.lines().count());
+        assert!(lines[0] <= 40 && lines[1] <= 130, "{command}: {lines:?} lines; less help is read more");
+        for line in [format!("help {command}"), format!("help {command} -h"), format!("help -h {command}")] {
+            assert_eq!(said(line), long);
+        }
     }
+    let whole = desk.run("--help");
+    assert!(["help", "help -h", "help --help", "help help"].iter().all(|line| desk.run(line) == whole));
+    desk.refuses("help rendr", &["rendr"]);
     desk.octray("render --help").assert().stdout(contains("Ctrl-C").and(contains("130")));
 }
 

@@ -155,12 +155,14 @@ fn words_of_other_programs_are_understood() {
         (camera("lookat"), "look_at"),
         (camera("vfov"), "vertical_fov"),
         (camera("vup"), "up"),
+        (mesh("rotation"), "rotate_degrees"),
         (sphere("position"), "center"),
         (sphere("bsdf"), "material"),
         (mesh("position"), "translate"),
         (with("\"background\": 1"), "sky"),
         (with("\"max_depth\": 1"), "max_bounces"),
         (with("\"image_width\": 1"), "resolution"),
+        (with("\"aspect_ratio\": 1"), "resolution"),
         (with("\"objects\": 1"), "spheres"),
         (of_type("diffuse", "albedo"), "color"),
         (of_type("diffuse", "baseColor"), "color"),
@@ -178,6 +180,19 @@ fn words_of_other_programs_are_understood() {
     ];
     for (text, meant) in cases {
         assert_refused(text, "unknown", "", &format!("did you mean `{meant}`?"));
+    }
+    for (text, instead) in [
+        (camera("defocus_angle"), "the camera is a pinhole"),
+        (camera("image_width"), "did you mean `resolution` of the scene?"),
+        (camera("samples_per_pixel"), "octray render --samples N"),
+        (with("\"samplesPerPixel\": 1"), "octray render --samples N"),
+        (with("\"vfov\": 1"), "did you mean `vertical_fov` of `camera`?"),
+        (with("\"up\": 1"), "did you mean `up` of `camera`?"),
+        (with("\"world\": 1"), "`triangles` and `meshes` hold the objects"),
+        (with("\"quads\": 1"), "write `triangles`"),
+        (of_type("glass", "transmission"), "`glass` lets light through"),
+    ] {
+        assert_refused(text, "unknown key", "", instead);
     }
     assert_refused(sphere("color"), "unknown key `color`", "spheres[0].color", "an entry of `materials`");
     assert_refused(sphere("albedo"), "unknown key `albedo`", "spheres[0].albedo", "an entry of `materials`");

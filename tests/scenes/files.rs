@@ -34,6 +34,36 @@ fn folder_with(picture: &str) -> Folder {
     folder
 }
 
+/// Directly inside another ball of glass, an `ior` of 1 or of that one is a mistake; others may be meant.
+#[test]
+fn glass_in_glass_that_is_surely_a_mistake_is_a_warning() {
+    let warnings = |outer: f64, inner: f64, color: f64, around: &str| {
+        let text = format!(
+            r#""materials": {{ "a": {{ "type": "glass", "ior": {outer} }}, "c": {{ "type": "glass", "ior": 0.667 }},
+                "b": {{ "type": "glass", "ior": {inner}, "color": [{color}, 1, 1] }} }},
+            "spheres": [ {{ "center": [0,0,0], "radius": 0.5, "material": "b" }}{around},
+                {{ "center": [0.25,0,0], "radius": 1, "material": "a" }} ]"#
+        );
+        load_in(&Folder::new(), &text).warnings
+    };
+    for inner in [1.0, 1.25] {
+        let [told] = &warnings(1.25, inner, 1.0, "")[..] else { panic!("one warning of {inner}") };
+        let place = format!("spheres[0]: glass of `ior` {inner} inside glass of 1.25 ");
+        assert!(told.contains(&place) && told.contains("write `ior` 0.800 (1 / 1.25)"), "{told}");
+    }
+    let hollow = r#", { "center": [0,0,0], "radius": 0.7, "material": "c" }"#;
+    for (outer, inner, color, around) in [
+        (1.5, 0.667, 1.0, ""),
+        (1.5, 1.0, 0.5, ""),
+        (1.5, 1.33, 1.0, ""),
+        (0.8, 1.0, 1.0, ""),
+        (1.5, 1.5, 1.0, hollow),
+    ] {
+        let told = warnings(outer, inner, color, around);
+        assert!(told.is_empty(), "{outer}, {inner}: {told:?}");
+    }
+}
+
 #[test]
 fn native_example_of_the_design_keeps_every_value() {
     let scene = load_in(

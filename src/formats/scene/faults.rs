@@ -6,7 +6,7 @@ use super::error::{MAX_FAULTS, SceneError};
 use super::json::{JsonPath, REMOVE_ONE, Source, data_fault, quoted, read};
 use super::material;
 use super::native::{MATERIAL, example};
-use super::spelling::did_you_mean;
+use super::spelling::{did_you_mean, instead};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_path_to_error::Segment;
@@ -109,10 +109,10 @@ fn mend(
         }
         let guess = did_you_mean(word, &known);
         let of_material = known.contains(&"material") && guess.is_empty() && material::is_key(word);
-        let hint = if of_material {
-            "it belongs to an entry of `materials`, which `material` names here; "
-        } else {
-            &guess
+        let hint = match guess.as_str() {
+            _ if of_material => "it belongs to an entry of `materials`, which `material` names here; ".into(),
+            "" => instead(word),
+            _ => guess,
         };
         (format!("unknown key `{word}`"), format!("{hint}the keys known here are {}", known.join(", ")))
     } else if let Some(example) = example_of(&place).filter(|_| !is_word) {

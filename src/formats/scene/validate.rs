@@ -17,9 +17,12 @@ use super::native::{
 use super::placement::Placement;
 use super::spelling::nearest;
 use glam::{DVec3, Vec3};
-use octray_engine::scene::{Camera, Coordinates, Scene, Side, Sky, Sphere};
+use octray_engine::scene::{Camera, Coordinates, MaterialKind, Scene, Side, Sky, Sphere};
 use std::collections::HashMap;
 use std::rc::Rc;
+
+/// Most spheres of glass that are compared with each other, one by one.
+const MOST_NESTED: usize = 1_000;
 
 /// The accepted form of a native scene text, or its faults: all those of keys and types, and the first of
 /// each of its parts otherwise.
@@ -76,6 +79,8 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let Some(camera) = camera.filter(|_| faults.0.is_empty()) else {
         return Err(faults.all().expect("without a fault there is a camera"));
     };
+    note_glass_in_glass(&mut builder, &root.key("spheres"));
+    builder.warn_of_notes(source.file, ": ");
     let plain = if builder.scene.emits() { Vec3::ZERO } else { Vec3::ONE };
     let sky = sky.unwrap_or(Sky::Color(plain));
     builder.finish(name, camera, resolution, max_bounces, sky).map_err(|error| error.in_file(source.file))
@@ -100,6 +105,41 @@ fn coordinates(file: &SceneFile) -> Option<Coordinates> {
         _ => balls.map(|(center, radius)| origin.distance(center.into()) + radius).fold(0.0, f64::max),
     };
     Some(Coordinates::around(origin, size))
+}
+
+/// Notes spheres of glass directly inside another whose `ior` is surely not what was meant: every `ior` is
+/// relative to vacuum, so that 1 does nothing, and that of the outer one refracts again.
+fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
+    let SceneBuilder { scene, notes, .. } = builder;
+    let ior_of = |sphere: &Sphere| match scene.materials[sphere.material as usize].kind {
+        MaterialKind::Glass { ior } => Some(ior),
+        _ => None,
+    };
+    let glass = scene.spheres.iter().enumerate().filter(|(_, sphere)| ior_of(sphere).is_some());
+    let glass: Vec<_> = glass.take(MOST_NESTED).collect();
+    for &(index, sphere) in &glass {
+        let is_around = |outer: &&Sphere| {
+            let larger = outer.radius - sphere.radius;
+            larger > 0.0 && outer.center.distance(sphere.center) <= larger
+        };
+        let around = glass.iter().map(|&(_, outer)| outer).filter(is_around);
+        let around = around.min_by(|a, b| a.radius.total_cmp(&b.radius));
+        let (Some(ior), Some(outer)) = (ior_of(sphere), around.and_then(ior_of)) else { continue };
+        let material = &scene.materials[sphere.material as usize];
+        let is_clear = material.color == Vec3::ONE && material.textures().next().is_none();
+        let why = match ior {
+            _ if outer <= 1.0 => continue,
+            1.0 if is_clear && !material.emits() => "is invisible",
+            _ if ior == outer => "refracts once more",
+            _ => continue,
+        };
+        let what = format!(
+            "glass of `ior` {ior} inside glass of {outer} {why}, as each `ior` is relative to vacuum: for air inside, \
+             write `ior` {:.3} (1 / {outer})",
+            outer.recip()
+        );
+        notes.add(&place.item(index), what);
+    }
 }
 
 /// The faults found so far.

@@ -311,6 +311,7 @@ same_at_every_width! {
             values.extend([Float(lobe.value), Float(lobe.pdf)]);
         }
         let color = Vec3::new(u, v, L::splat(0.5));
+        values.extend(vector(bsdf::albedo::compensated(color, d, n, alpha)));
         let plastic = bsdf::plastic::Plastic { color, alpha, ior, transmitted: L::splat(0.9) };
         let view = plastic.view(d, n);
         let (drawn, weight) = plastic.sample(&view, d, n, v, (u, v));

@@ -265,7 +265,8 @@ def glass(folder):
     model = Model()
 
     def clear(color, ior):
-        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": ior}}
+        volume = {"KHR_materials_volume": {"thicknessFactor": 1}}
+        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": ior}, **volume}
         return model.material(color, 0, 0, extensions=extensions)
 
     points, uvs, indices = sphere(96, 48)

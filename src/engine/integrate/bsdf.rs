@@ -255,10 +255,10 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     #[inline(always)]
     fn ggx(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        self.take(
-            mask,
-            bsdf::ggx::sample(self.d, self.normals.ns_specular, self.material.roughness_or_ior, u, v),
-        );
+        let (n, alpha) = (self.normals.ns_specular, self.material.roughness_or_ior);
+        self.take(mask, bsdf::ggx::sample(self.d, n, alpha, u, v));
+        let color = bsdf::albedo::compensated(self.material.color, self.d, n, alpha);
+        self.color = Vec3::select(mask, color, self.color);
     }
     #[inline(always)]
     fn glass(&mut self, mask: L::Mask) {
@@ -352,7 +352,9 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
     #[inline(always)]
     fn ggx(&mut self, mask: L::Mask) {
         let (n, alpha) = (self.normals.ns_specular, self.material.roughness_or_ior);
-        self.take_colored(mask, bsdf::ggx::evaluate(self.d, n, alpha, self.towards));
+        let LobeEval { value, pdf } = bsdf::ggx::evaluate(self.d, n, alpha, self.towards);
+        let color = bsdf::albedo::compensated(self.material.color, self.d, n, alpha);
+        self.take(mask, BsdfEval { value: color * value, pdf });
     }
     #[inline(always)]
     fn fuzzy_mirror(&mut self, mask: L::Mask) {

@@ -110,8 +110,11 @@ fn sample_lobe(
         MaterialKind::Metal { roughness } => {
             let alpha = (f64::from(roughness) * rougher).powi(2);
             is_delta = alpha < NARROWEST_ALPHA;
-            let (wi, weight) = ggx(to_local(-d, n), alpha, number(DIRECTION), number(DIRECTION + 1));
-            (wi.z > 0.0).then(|| (to_world(wi, n), weight))
+            let out = to_local(-d, n);
+            let (wi, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
+            let (white, _) = albedo(out.z, alpha);
+            let weight = color * weight * (1.0 + color * ((1.0 - white) / white));
+            return (wi.z > 0.0).then(|| (to_world(wi, n), weight, is_delta));
         }
         MaterialKind::Glass { ior } => {
             // η: index of the incident medium over that of the transmitting one.
@@ -237,15 +240,33 @@ fn metal_rough(
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
     let normal = DVec3::splat((1.0 - metallic) * f0) + color * metallic;
-    let fresnel = |cos: f64| normal.lerp(DVec3::ONE, (1.0 - cos).max(0.0).powi(5));
-    let q = (1.0 - 0.43 * alpha.powf(1.5)).powi(5);
-    let transmitted = |cos: f64| 1.0 - q * (1.0 - cos).max(0.0).powi(5);
     let out = to_local(-d, n);
-    let into_base = color * (1.0 - metallic) * (1.0 - f0) * transmitted(out.z);
-    let (brightest, of_base) = (fresnel(out.z).max_element(), into_base.max_element());
-    let on_specular = brightest / (brightest + of_base).max(1e-300);
-    let base = |cos: f64| into_base * (transmitted(cos) / (1.0 - q / 21.0));
-    ggx_over_lambert(out, n, alpha, on_specular, fresnel, base, number)
+    let (white, grazing) = albedo(out.z, alpha);
+    let lost = (1.0 - white) / white;
+    let reflected = |f0: f64| (f0 * white + (1.0 - f0) * grazing) * (1.0 + f0 * lost);
+    let fresnel = |cos: f64| normal.lerp(DVec3::ONE, (1.0 - cos).max(0.0).powi(5)) * (1.0 + normal * lost);
+    let base = color * (1.0 - metallic) * (1.0 - reflected(f0)).max(0.0);
+    let (specular, diffuse) = (reflected(normal.max_element()), base.max_element());
+    let on_specular = specular / (specular + diffuse).max(1e-300);
+    ggx_over_lambert(out, n, alpha, on_specular, fresnel, |_| base, number)
+}
+
+/// E and E₅ of white GGX at a cosine: the fits of the model, at the head of `kernel/bsdf/albedo.rs`.
+fn albedo(cos: f64, a: f64) -> (f64, f64) {
+    let mu = cos.clamp(1e-6, 1.0);
+    let s = (mu * mu + a * a * (1.0 - mu * mu)).sqrt();
+    let (c, sigma) = (mu / s, a * (1.0 - mu * mu).sqrt() / s);
+    let narrow = c * (0.2543 - 0.1997 * sigma) + a * a * (0.6057 * sigma - 0.7164);
+    let loss = c * ((1.0 - c) * narrow + 0.2037 * a * a);
+    let divisor = 1.0
+        + a * (0.2614 * a - 1.8421)
+        + c * (1.7093 * a - 0.8341)
+        + sigma * (1.8491 * a - 0.2676 * a * a - 0.9814)
+        + c * sigma * (0.8844 - 1.5914 * a + 0.1059 * a * a);
+    let white = 1.0 - loss / divisor;
+    let above = s * (3.910 + 149.98 * s) - mu * (3.019 + 114.20 * s) + 1.198 * a;
+    let below = 1.0 + s * (84.49 + 248.7 * s) + mu * (141.07 * mu - 386.2 * s + 16.95 * a - 50.08);
+    (white, white * (1.0 - above / below).max(0.0).powi(5))
 }
 
 /// A GGX lobe of the reflectance `fresnel` at the cosine of the microfacet, sampled with the probability

@@ -50,15 +50,11 @@ fn white_furnace_is_white_where_nothing_is_absorbed() {
 
 #[test]
 fn white_furnace_never_exceeds_one_where_something_is_absorbed() {
-    for kind in
-        [0.05, 0.3, 1.0].into_iter().flat_map(|roughness| [Metal { roughness }, FuzzyMirror { roughness }])
-    {
+    for kind in [0.05, 0.3, 1.0].map(|roughness| FuzzyMirror { roughness }) {
         for scene in [wide(ball(kind)), wide(wall(kind))] {
             let judge = Reference::new(&scene);
             let values: Vec<f64> = (0..5000).map(|s| judge.path(one_pixel(100), 0, 0, s)[0]).collect();
             assert!(values.iter().all(|value| (0.0..=1.0 + 1e-12).contains(value)), "{kind:?}");
-            // At roughness 1, GGX without multiple scattering gives back less than half; how much, the
-            // integral below knows.
             assert!(values.iter().sum::<f64>() > 0.25 * 5000.0, "{kind:?} reflects");
         }
     }
@@ -102,7 +98,8 @@ fn lambert_under_a_gradient_is_its_irradiance() {
 }
 
 /// The lobe of GGX by its textbook equations (Walter et al., EGSR 2007, with height-correlated masking),
-/// which the sampler never evaluates, integrated against a sky that tells directions apart.
+/// which the sampler never evaluates, integrated against a sky that tells directions apart, and over what
+/// they give under a white sky: all light is returned.
 #[test]
 fn metal_under_a_gradient_is_the_integral_of_its_lobe() {
     let sky = |w: DVec3| 0.5 * (w.y + 1.0);
@@ -117,14 +114,16 @@ fn metal_under_a_gradient_is_the_integral_of_its_lobe() {
         let alpha2 = f64::from(roughness).powi(4);
         let wo = position.as_dvec3().normalize();
         let lambda = |w: DVec3| 0.5 * ((1.0 + alpha2 * (1.0 / (w.z * w.z) - 1.0)).sqrt() - 1.0);
-        let expected = over_hemisphere(|wi| {
+        let lobe = |wi: DVec3| {
             let h = (wo + wi).normalize();
             let d = alpha2 / (PI * (h.z * h.z * (alpha2 - 1.0) + 1.0).powi(2));
-            sky(wi) * d / (1.0 + lambda(wo) + lambda(wi)) / (4.0 * wo.z)
-        });
+            d / (1.0 + lambda(wo) + lambda(wi)) / (4.0 * wo.z)
+        };
+        let expected = over_hemisphere(|wi| sky(wi) * lobe(wi)) / over_hemisphere(lobe);
         let (found, error) = mean(&judge, 4, 40_000);
         let told = format!("{roughness}, eye at {height}: {found} ± {error}, expected {expected}");
-        assert!((found - expected).abs() < 4.0 * error + 1e-4, "{told}");
+        // The model's fit of the albedo is off by up to 0.5 %.
+        assert!((found / expected - 1.0).abs() < 4.0 * error / expected + 0.005, "{told}");
     }
 }
 

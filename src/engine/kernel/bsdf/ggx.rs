@@ -1,5 +1,5 @@
-//! GGX reflection: visible-normal sampling, height-correlated masking and shadowing, single scattering (light
-//! that reflects between facets is lost).
+//! GGX reflection: visible-normal sampling, height-correlated masking and shadowing, single scattering. What
+//! is lost between facets, [`super::albedo`] gives back.
 //!
 //! With o = wo = −d, i = wi, h = o + i, h∥ and h⊥ its parts along and across n, and all cosines against n:
 //!
@@ -79,7 +79,7 @@ pub fn is_narrow<L: Lane>(alpha: L) -> L::Mask {
 
 /// s of the head of this file.
 #[inline(always)]
-fn stretched_cosine<L: Lane>(alpha: L, cos: L) -> L {
+pub(super) fn stretched_cosine<L: Lane>(alpha: L, cos: L) -> L {
     let sin2 = cos.neg_mul_add(cos, L::one()).max(L::zero());
     cos.mul_add(cos, alpha * alpha * sin2).sqrt()
 }

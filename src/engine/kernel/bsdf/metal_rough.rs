@@ -1,24 +1,24 @@
 //! Metal-rough: the metallic-roughness model of glTF 2.0, between a metal and a dielectric.
 //!
-//! With F₀ the dielectric's reflectance at normal incidence, m the metallic share, a the colour and s(c) =
-//! (1 − c)⁵ of Schlick:
+//! With F₀ the dielectric's reflectance at normal incidence, m the metallic share and a the colour:
 //!
 //! ```text
-//! f = F D G₂ / (4 cos i cos o) + (1 − m) (1 − F₀) a T(i) T(o) / (π (1 − q / 21))
-//! F = F₁ + (1 − F₁) s(h · o),   F₁ = (1 − m) F₀ + m a
-//! T(c) = 1 − q s(c),   q = (1 − κ α^1.5)⁵,   2 ∫ T(c) c dc = 1 − q / 21
+//! f = F D G₂ / (4 cos i cos o) (1 + F₁ (1 − E) / E) + (1 − m) a (1 − A) / π
+//! F = F₁ + (1 − F₁) (1 − h · o)⁵,   F₁ = (1 − m) F₀ + m a
 //! ```
 //!
-//! The specular part is the standard's. Its base, a (1 − F(h · o)) / π, returns with a smooth coat up to 1.6
-//! times the light that arrives at a grazing angle; the one here has what the coat lets through on both ways,
-//! as [`super::plastic`], whose κ it takes. It is reciprocal, and creates at most 0.3 % (by quadrature, F₀
-//! from 0 to ½). Light that reflects between facets is lost, as in [`super::ggx`].
+//! E is the albedo of white GGX, and A what a dielectric's specular part reflects in all, both seen from o:
+//! [`super::albedo`]. White metal and white dielectrics return all light, within the fits' errors.
+//!
+//! The specular part is the standard's, without its loss. Its base, a (1 − F(h · o)) / π, returns with a
+//! smooth coat up to 1.6 times the light that arrives at a grazing angle; the one here has what the specular
+//! part leaves.
 //!
 //! Source: glTF 2.0 specification, appendix B; Schlick, "An Inexpensive BRDF Model for Physically-based
-//! Rendering", Computer Graphics Forum 13(3), 1994; the base: Ashikhmin, Shirley, "An Anisotropic Phong BRDF
-//! Model", Journal of Graphics Tools 5(2), 2000.
+//! Rendering", Computer Graphics Forum 13(3), 1994; the base, as in Cycles: Kulla, Conty, "Revisiting
+//! Physically Based Shading at Imageworks", SIGGRAPH 2017.
 
-use super::plastic::GRAZING_FIT;
+use super::albedo::{Albedo, schlick};
 use super::sample::{BsdfEval, BsdfSample, LobeEval};
 use super::{diffuse, ggx};
 use crate::lane::{Lane, Mask};
@@ -43,75 +43,59 @@ pub fn normal_reflectance(ior: f32) -> f32 {
     (((ior - 1.0) / (ior + 1.0)).powi(2)) as f32
 }
 
-/// (1 − cos)⁵.
-#[inline(always)]
-fn schlick<L: Lane>(cos: L) -> L {
-    let x = (L::one() - cos).max(L::zero());
-    let x2 = x * x;
-    x2 * x2 * x
+/// What depends on the direction from which metal-rough is seen, and not on that of the light.
+#[derive(Clone, Copy)]
+struct View<L: Lane> {
+    /// F₁.
+    normal: Vec3<L>,
+    /// 1 + F₁ (1 − E) / E.
+    compensation: Vec3<L>,
+    /// (1 − m) (1 − A).
+    base: L,
+    /// The probability of sampling the specular part: its share of the reflected light, by the brightest
+    /// channels.
+    specular_probability: L,
+}
+
+impl<L: Lane> View<L> {
+    /// F of the facet that reflects d into `wi`, with its compensation: h · o = |h| / 2.
+    #[inline(always)]
+    fn specular(&self, d: Vec3<L>, wi: Vec3<L>) -> Vec3<L> {
+        let half = wi - d;
+        let s = schlick(L::splat(0.5) * half.dot(half).sqrt());
+        self.normal.mul_add(L::one() - s, Vec3::repeat(s)) * self.compensation
+    }
 }
 
 impl<L: Lane> MetalRough<L> {
-    /// F at a facet's cosine, coloured.
     #[inline(always)]
-    fn fresnel(&self, cos: L) -> Vec3<L> {
-        let s = schlick(cos);
+    fn view(&self, d: Vec3<L>, n: Vec3<L>) -> View<L> {
+        let albedo = Albedo::of(ggx::cos_o(d, n), self.alpha);
         let dielectric = L::one() - self.metallic;
-        let mix = |a: L| {
-            let normal = dielectric.mul_add(self.f0, self.metallic * a);
-            (L::one() - normal).mul_add(s, normal)
-        };
-        Vec3::new(mix(self.color.x), mix(self.color.y), mix(self.color.z))
-    }
-    /// q.
-    #[inline(always)]
-    fn grazing(&self) -> L {
-        schlick(L::splat(GRAZING_FIT) * self.alpha * self.alpha.sqrt())
-    }
-    /// (1 − m) (1 − F₀) T(c): the base's share of light from a direction.
-    #[inline(always)]
-    fn entering(&self, cos: L) -> L {
-        let transmitted = self.grazing().neg_mul_add(schlick(cos), L::one());
-        (L::one() - self.metallic) * (L::one() - self.f0) * transmitted
-    }
-    /// T(c) / (1 − q / 21).
-    #[inline(always)]
-    fn leaving(&self, cos: L) -> L {
-        let q = self.grazing();
-        q.neg_mul_add(schlick(cos), L::one()) / q.neg_mul_add(L::splat(1.0 / 21.0), L::one())
-    }
-    /// h · o = |h| / 2 of the facet that reflects d into `wi`.
-    #[inline(always)]
-    fn facet_cosine(d: Vec3<L>, wi: Vec3<L>) -> L {
-        let half = wi - d;
-        L::splat(0.5) * half.dot(half).sqrt()
-    }
-    /// The probability of sampling the specular part: its share of the reflected light if it were smooth, by
-    /// the brightest channels.
-    #[inline(always)]
-    fn specular_probability(&self, d: Vec3<L>, n: Vec3<L>) -> L {
-        let cos = ggx::cos_o(d, n);
-        let (fresnel, base) = (self.fresnel(cos), self.entering(cos));
+        let normal = self.color.mul_add(self.metallic, Vec3::repeat(dielectric * self.f0));
+        let base = dielectric * (L::one() - albedo.reflected(self.f0)).max(L::zero());
         let brightest = |v: Vec3<L>| v.x.max(v.y).max(v.z);
-        let (specular, base) = (brightest(fresnel), base * brightest(self.color));
+        let (specular, diffuse) = (albedo.reflected(brightest(normal)), base * brightest(self.color));
         // Where both are zero, the result is black.
-        specular / (specular + base).max(L::splat(f32::MIN_POSITIVE))
+        let specular_probability = specular / (specular + diffuse).max(L::splat(f32::MIN_POSITIVE));
+        View { normal, compensation: albedo.compensation(normal), base, specular_probability }
     }
 
     /// Samples the specular part or the base, as `uc` says. The second result is the weight with colour.
     #[inline(always)]
     pub fn sample(&self, d: Vec3<L>, n: Vec3<L>, uc: L, (u, v): (L, L)) -> (BsdfSample<L>, Vec3<L>) {
-        let probability = self.specular_probability(d, n);
+        let view = self.view(d, n);
+        let probability = view.specular_probability;
         let (specular, cos) = ggx::sample_direction(d, n, self.alpha, u, v);
         let reflects = uc.lt(probability);
         let wi = Vec3::select(reflects, specular, diffuse::sample(n, u, v).wi);
-        let BsdfEval { value, mut pdf } = self.evaluate(d, n, wi);
+        let BsdfEval { value, mut pdf } = self.evaluate_view(&view, d, n, wi);
         let mut weight = value * (L::one() / pdf);
         let delta = reflects & ggx::is_narrow(self.alpha);
         if delta.any() {
             let shadowing = ggx::shadowing(self.alpha, ggx::cos_o(d, n), cos);
-            let fresnel = self.fresnel(Self::facet_cosine(d, specular));
-            weight = Vec3::select(delta, fresnel * (shadowing / probability), weight);
+            let reflected = view.specular(d, specular) * (shadowing / probability);
+            weight = Vec3::select(delta, reflected, weight);
             pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
         }
         // Where the pdf is zero, rounding moved the sample out of the lobe.
@@ -122,13 +106,15 @@ impl<L: Lane> MetalRough<L> {
     /// Both parts together; the base alone where the specular part is a delta lobe. Zero below the surface.
     #[inline(always)]
     pub fn evaluate(&self, d: Vec3<L>, n: Vec3<L>, wi: Vec3<L>) -> BsdfEval<L> {
-        let probability = self.specular_probability(d, n);
+        self.evaluate_view(&self.view(d, n), d, n, wi)
+    }
+    #[inline(always)]
+    fn evaluate_view(&self, view: &View<L>, d: Vec3<L>, n: Vec3<L>, wi: Vec3<L>) -> BsdfEval<L> {
+        let probability = view.specular_probability;
         let specular: LobeEval<L> = ggx::evaluate(d, n, self.alpha, wi);
         let on_base = diffuse::evaluate(n, wi);
-        let fresnel = self.fresnel(Self::facet_cosine(d, wi));
-        let base = self.entering(ggx::cos_o(d, n)) * self.leaving(wi.dot(n));
-        let diffuse = self.color * (base * on_base.value);
+        let diffuse = self.color * (view.base * on_base.value);
         let pdf = probability.mul_add(specular.pdf, (L::one() - probability) * on_base.pdf);
-        BsdfEval { value: fresnel.mul_add(specular.value, diffuse), pdf }
+        BsdfEval { value: view.specular(d, wi).mul_add(specular.value, diffuse), pdf }
     }
 }

@@ -14,6 +14,7 @@
 //! A lobe too narrow for single precision to evaluate its pdf is sampled like any other but counts as a delta
 //! lobe: the pdf of its samples is infinite, and *evaluate* returns zero.
 
+pub mod albedo;
 pub mod diffuse;
 mod fresnel;
 pub mod fuzzy_mirror;

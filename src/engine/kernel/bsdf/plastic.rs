@@ -24,7 +24,7 @@ use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
 
 /// κ in the head of this file.
-pub(super) const GRAZING_FIT: f32 = 0.43;
+const GRAZING_FIT: f32 = 0.43;
 
 /// The parameters of plastic.
 #[derive(Clone, Copy, Debug)]

@@ -20,6 +20,7 @@ mod history;
 mod judged;
 mod lamps;
 mod levels_of_detail;
+mod peers;
 mod reference_laws;
 mod smooth;
 mod stability;

@@ -1,4 +1,4 @@
-"""Writes five glTF models of different kinds, with the standard library alone.
+"""Writes six glTF models of different kinds, with the standard library alone.
 
     python3 perf/peers/blender/models.py FOLDER
 
@@ -7,7 +7,8 @@
 | grid.gltf + grid.bin | spheres of metallic 0, ½ and 1 by roughness 0.1 to 1, on a floor; a camera |
 | textured.glb | images in the file: base colour, metallic-roughness, normal map; texture transforms |
 | lamps.gltf | data URIs; a closed room lit by emissive surfaces, one with a texture, and emissive strength |
-| glass.glb | clear, tinted and dense glass: transmission and index of refraction |
+| glass.glb | clear, tinted and dense glass: transmission, volume and index of refraction; a mirrored scale |
+| thin.glb | thin-walled panes: transmission without volume; an unlit card |
 | tree.gltf | a tree of nodes: instances, mirrored and unequal scales; strips and fans, sparse and quantised numbers, vertex colours, 8-bit indices |
 """
 
@@ -62,8 +63,8 @@ class Model:
                 "indices": {"bufferView": self.view(struct.pack(f"<{len(indices)}H", *indices)), "componentType": U16},
                 "values": {"bufferView": self.view(b"".join(map(pack, values)))},
             }
-        accessor["min"] = [min(column) for column in zip(*shown)]
-        accessor["max"] = [max(column) for column in zip(*shown)]
+        if size == 3:
+            accessor |= {"min": list(map(min, zip(*shown))), "max": list(map(max, zip(*shown)))}
         return self.add("accessors", accessor)
 
     def primitive(self, points, indices, material, normals=None, uvs=None, index_type=U32, mode=4, **attributes):
@@ -76,6 +77,13 @@ class Model:
         if indices:
             primitive["indices"] = self.accessor([(index,) for index in indices], index_type)
         return primitive
+
+    def ball(self, mapped=False):
+        """A primitive but for its material: the unit sphere."""
+        points, uvs, indices = sphere()
+        attributes = {"POSITION": self.accessor(points)} | ({"TEXCOORD_0": self.accessor(uvs)} if mapped else {})
+        attributes["NORMAL"] = attributes["POSITION"]
+        return {"attributes": attributes, "indices": self.accessor([(index,) for index in indices], U16)}
 
     def mesh(self, *primitives):
         return self.add("meshes", {"primitives": list(primitives)})
@@ -121,7 +129,7 @@ class Model:
         elif kind == "data":
             buffer["uri"] = "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()
         self.json["buffers"] = [buffer]
-        text = json.dumps(self.json, indent=None if kind == "glb" else 1).encode()
+        text = json.dumps(self.json, separators=(",", ":")).encode()
         if kind == "glb":
             text += b" " * (-len(text) % 4)
             binary = bytes(self.binary) + b"\0" * (-len(self.binary) % 4)
@@ -147,7 +155,7 @@ def png(width, height, color):
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
-def sphere(columns=48, rows=24):
+def sphere(columns=24, rows=12):
     points, uvs, indices = [], [], []
     for j in range(rows + 1):
         for i in range(columns + 1):
@@ -188,15 +196,11 @@ def box(lower, upper):
 
 def grid(folder):
     model = Model()
-    points, _, indices = sphere()
-    positions, normals = model.accessor(points), model.accessor(points)
-    triangles = model.accessor([(index,) for index in indices], U16)
+    ball = model.ball()
     colors = [(0.9, 0.3, 0.1), (0.3, 0.7, 0.9), (1.0, 0.77, 0.34)]
     for row, metallic in enumerate([0, 0.5, 1]):
         for column, roughness in enumerate([0.1, 0.25, 0.5, 0.75, 1.0]):
-            material = model.material(colors[row], metallic, roughness)
-            primitive = {"attributes": {"POSITION": positions, "NORMAL": normals}, "indices": triangles, "material": material}
-            mesh = model.mesh(primitive)
+            mesh = model.mesh(ball | {"material": model.material(colors[row], metallic, roughness)})
             model.node(mesh=mesh, translation=[2.2 * column - 4.4, 1, 2.2 * row - 2.2])
     points, uvs, indices = quad(9)
     model.node(mesh=model.mesh(model.primitive(points, indices, model.material((0.6, 0.6, 0.6), 0, 0.6))))
@@ -206,26 +210,27 @@ def grid(folder):
 
 def textured(folder):
     model = Model()
-    checker = lambda x, y: (230, 120, 40) if (x // 8 + y // 8) % 2 else (40, 90, 160)
+    # No picture is its own mirror image, nor has that one's mean in a corner.
+    checker = lambda x, y: (12 * x + 50, 230 - 12 * y, 160 if (x // 2 + y // 2) % 2 else 40)
     rough = lambda x, y: (0, 60 + 6 * (x % 32), 255 if y % 16 < 8 else 0)
 
     def bumps(x, y):
-        dx, dy = 0.5 * math.sin(x * math.pi / 8), 0.5 * math.sin(y * math.pi / 8)
+        dx, dy = 0.05 + 0.2 * math.sin(x * math.pi / 8), 0.2 + 0.15 * math.sin(y * math.pi / 8)
         return tuple(round(127.5 + 127.5 * channel) for channel in unit([dx, dy, 1]))
 
     # Blender blends display values between texels, the standard linear ones: colours are not blended here.
     nearest = {"magFilter": 9728, "minFilter": 9728}
-    color, packed, normal = model.texture(64, 64, checker, **nearest), model.texture(32, 32, rough), model.texture(64, 64, bumps)
+    color, packed, normal = model.texture(16, 16, checker, **nearest), model.texture(32, 32, rough), model.texture(16, 16, bumps)
     model.use("KHR_texture_transform")
-    turned = {"extensions": {"KHR_texture_transform": {"scale": [6, 6], "rotation": 0.4, "offset": [0.2, 0.1]}}}
+    turned = {"extensions": {"KHR_texture_transform": {"scale": [2, 1], "rotation": 0.4, "offset": [0.2, 0.1]}}}
     info = lambda index, **keys: {"index": index} | keys
     floor = model.material(pbr={"baseColorTexture": info(color, **turned), "metallicFactor": 0, "roughnessFactor": 0.9})
     maps = {"baseColorTexture": info(color), "metallicRoughnessTexture": info(packed), "metallicFactor": 1, "roughnessFactor": 1}
     ball = model.material(pbr=maps)
     bumpy = model.material((0.8, 0.8, 0.75), 0, 0.4, normalTexture=info(normal, scale=0.7))
-    points, uvs, indices = sphere()
-    model.node(mesh=model.mesh(model.primitive(points, indices, ball, points, uvs)), translation=[-1.3, 1, 0])
-    model.node(mesh=model.mesh(model.primitive(points, indices, bumpy, points, uvs)), translation=[1.3, 1, 0], rotation=[0, 0.38268343, 0, 0.92387953])
+    globe = model.ball(mapped=True)
+    model.node(mesh=model.mesh(globe | {"material": ball}), translation=[-1.3, 1, 0])
+    model.node(mesh=model.mesh(globe | {"material": bumpy}), translation=[1.3, 1, 0], rotation=[0, 0.38268343, 0, 0.92387953])
     points, uvs, indices = quad(6)
     model.node(mesh=model.mesh(model.primitive(points, indices, floor, uvs=uvs)))
     model.camera([0, 2.5, 7], [0, 0.8, 0], 34)
@@ -237,7 +242,7 @@ def lamps(folder):
     white, red, green = [model.material(c, 0, 1) for c in [(0.7, 0.7, 0.7), (0.7, 0.1, 0.1), (0.1, 0.6, 0.1)]]
     strength = lambda x: {"KHR_materials_emissive_strength": {"emissiveStrength": x}}
     lamp = model.material((0, 0, 0), 0, 1, emissiveFactor=[1, 0.8, 0.6], extensions=strength(12))
-    glow = lambda x, y: (255, 200, 60) if (x // 4 + y // 4) % 2 else (10, 30, 120)
+    glow = lambda x, y: (16 * x, 240 - 15 * y, 60)
     picture = {"index": model.texture(16, 16, glow, magFilter=9728, minFilter=9728)}
     panel = model.material((0.4, 0.4, 0.4), 0, 0.7, emissiveFactor=[1, 1, 1], emissiveTexture=picture, extensions=strength(2))
     walls = [
@@ -265,13 +270,14 @@ def glass(folder):
     model = Model()
 
     def clear(color, ior):
-        volume = {"KHR_materials_volume": {"thicknessFactor": 1}}
-        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": ior}, **volume}
+        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": ior}}
+        extensions["KHR_materials_volume"] = {"thicknessFactor": 1}
         return model.material(color, 0, 0, extensions=extensions)
 
-    points, uvs, indices = sphere(96, 48)
-    for x, color, ior in [(-2.2, (1, 1, 1), 1.5), (0, (0.95, 0.6, 0.3), 1.33), (2.2, (0.6, 0.9, 0.7), 2.0)]:
-        model.node(mesh=model.mesh(model.primitive(points, indices, clear(color, ior), points)), translation=[x, 1.01, 0])
+    ball = model.ball()
+    for x, color, ior, side in [(-2.2, (1, 1, 1), 1.5, 1), (0, (0.95, 0.8, 0.6), 1.33, -1), (2.2, (0.8, 0.95, 0.85), 2.0, 1)]:
+        mesh = model.mesh(ball | {"material": clear(color, ior)})
+        model.node(mesh=mesh, translation=[x, 1.01, 0], scale=[1, 1, side])
     points, uvs, indices = quad(6)
     checker = lambda x, y: (220, 220, 220) if (x // 4 + y // 4) % 2 else (60, 60, 70)
     check = model.texture(64, 64, checker, magFilter=9728, minFilter=9728)
@@ -279,6 +285,24 @@ def glass(folder):
     model.node(mesh=model.mesh(model.primitive(points, indices, model.material(pbr=pbr), uvs=uvs)))
     model.camera([0, 2.2, 7.5], [0, 0.9, 0], 36)
     model.write(folder / "glass.glb", "glb")
+
+
+def thin(folder):
+    model = Model()
+    points, uvs, indices = quad(1)
+    place = lambda material, **keys: model.node(mesh=model.mesh(model.primitive(points, indices, material, uvs=uvs)), **keys)
+    upright, half = math.sqrt(0.5), 0.5
+    for x, turn, color, ior in [(-2.3, 0.6, (1, 0.9, 0.6), 1.5), (0, 0.9, (0.6, 0.8, 0.95), 1.5), (2.3, -0.4, (1, 1, 1), 2.2)]:
+        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": ior}}
+        sin, cos = upright * math.sin(half * turn), upright * math.cos(half * turn)
+        # `compare` makes a sheet of what has this name.
+        place(model.material(color, 0, 0, extensions=extensions), name="sheet", translation=[x, 1.1, 0], rotation=[cos, sin, -sin, cos])
+    shade = model.texture(16, 16, lambda x, y: (60 + 12 * x, 60 + 12 * y, 150), magFilter=9728, minFilter=9728)
+    pbr = {"baseColorTexture": {"index": shade}}
+    place(model.material(pbr=pbr, extensions={"KHR_materials_unlit": {}}), translation=[0, 1.5, -3], rotation=[upright, 0, 0, upright])
+    place(model.material(pbr=pbr), scale=[6, 1, 6])
+    model.camera([0, 2.2, 7.5], [0, 0.9, 0], 36)
+    model.write(folder / "thin.glb", "glb")
 
 
 def tree(folder):
@@ -320,7 +344,7 @@ def tree(folder):
     model.write(folder / "tree.gltf", "data")
 
 
-MODELS = {"grid.gltf": grid, "textured.glb": textured, "lamps.gltf": lamps, "glass.glb": glass, "tree.gltf": tree}
+MODELS = {"grid.gltf": grid, "textured.glb": textured, "lamps.gltf": lamps, "glass.glb": glass, "thin.glb": thin, "tree.gltf": tree}
 
 
 def write_all(folder):

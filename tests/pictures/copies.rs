@@ -35,7 +35,8 @@ fn render_with(scene: &Scene, lights: LightChoice, samples: u32) -> Picture {
     render(scene, Settings { methods, ..Settings::of(scene) }, samples)
 }
 
-/// Scales and moves all that a scene file says of places and lengths, after rounding it so that no sum rounds.
+/// Scales and moves all that a scene file says of places and lengths, after rounding it so that no sum
+/// rounds.
 fn place(json: &mut Value, key: &str, scale: f64, offset: [f64; 3]) {
     let is_point = matches!(key, "position" | "look_at" | "center" | "translate" | "vertices");
     match json {

@@ -54,10 +54,10 @@ fn assert_equals_cycles(model: &str, of_mean: f64, of_block: f64) {
     assert!(within(&means, of_mean) && within(&blocks, of_block), "{text}");
 }
 
-// The multiply scattered light of coloured metals differs: at roughness 1 a block by 7 % from Cycles.
+// The multiply scattered light of coloured metals: a block of roughness 1 differs by 2 %.
 #[test]
 fn metallic_by_roughness_is_that_of_cycles() {
-    assert_equals_cycles("grid.gltf", 1.5, 9.0);
+    assert_equals_cycles("grid.gltf", 1.0, 4.0);
 }
 
 // Light that arrives from below the surface is lost where a normal map tilts it: 4 %.

@@ -113,7 +113,7 @@ fn sample_lobe(
             let out = to_local(-d, n);
             let (wi, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
             let (white, _) = albedo(out.z, alpha);
-            let weight = color * weight * (1.0 + color * ((1.0 - white) / white));
+            let weight = color * weight / (1.0 - color * (1.0 - white));
             return (wi.z > 0.0).then(|| (to_world(wi, n), weight, is_delta));
         }
         MaterialKind::Glass { ior } => {
@@ -242,9 +242,12 @@ fn metal_rough(
     let normal = DVec3::splat((1.0 - metallic) * f0) + color * metallic;
     let out = to_local(-d, n);
     let (white, grazing) = albedo(out.z, alpha);
-    let lost = (1.0 - white) / white;
-    let reflected = |f0: f64| (f0 * white + (1.0 - f0) * grazing) * (1.0 + f0 * lost);
-    let fresnel = |cos: f64| normal.lerp(DVec3::ONE, (1.0 - cos).max(0.0).powi(5)) * (1.0 + normal * lost);
+    let reflected = |f0: f64| (f0 * white + (1.0 - f0) * grazing) / (1.0 - f0 * (1.0 - white));
+    let fresnel = |cos: f64| {
+        let schlick =
+            |f0: DVec3| f0.lerp(DVec3::ONE, (1.0 - cos).max(0.0).powi(5)) / (1.0 - f0 * (1.0 - white));
+        schlick(DVec3::splat(f0)) * (1.0 - metallic) + schlick(color) * metallic
+    };
     let base = color * (1.0 - metallic) * (1.0 - reflected(f0)).max(0.0);
     let (specular, diffuse) = (reflected(normal.max_element()), base.max_element());
     let on_specular = specular / (specular + diffuse).max(1e-300);

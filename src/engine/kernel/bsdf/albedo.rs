@@ -6,20 +6,21 @@
 //! ```text
 //! E(μ, α)  = ∫ D G₂ / (4 cos i cos o) cos i di
 //! E₅(μ, α) = ∫ (1 − h · o)⁵ D G₂ / (4 cos i cos o) cos i di
-//! f = F D G₂ / (4 cos i cos o) · (1 + F₀ (1 − E) / E)
-//! ∫ f cos i di = (F₀ E + (1 − F₀) E₅) (1 + F₀ (1 − E) / E)
+//! f = F D G₂ / (4 cos i cos o) / (1 − F₀ (1 − E))
+//! ∫ f cos i di = (F₀ E + (1 − F₀) E₅) / (1 − F₀ (1 − E))
 //! ```
 //!
-//! so that white metal returns all light. The factor depends on o alone: the lobe keeps its shape, and the
-//! sampled directions their pdfs, but f is no longer reciprocal. A reciprocal lobe that makes up for the loss
-//! (Kulla, Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH 2017) has tails that sampling
-//! visible normals does not reach: it would be a third lobe to sample.
+//! the sum of what leaves after one bounce, two, three and so on, so that white metal returns all light, and
+//! a coloured one gets its colour once for each bounce. The factor depends on o alone: the lobe keeps its
+//! shape, and the sampled directions their pdfs, but f is no longer reciprocal. A reciprocal lobe that makes
+//! up for the loss (Kulla, Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH 2017) has
+//! tails that sampling visible normals does not reach: it would be a third lobe to sample.
 //!
 //! E and E₅ = E (1 − h)⁵ are rational functions, fitted to their integrals. E is 1 at grazing incidence and
 //! on a mirror; for small α it depends on c = μ / s and σ² = 1 − c² alone, s² = μ² + α² (1 − μ²).
 //!
-//! Source: Turquin, "Practical multiple scattering compensation for microfacet models", 2019. The fits are
-//! our own.
+//! Source: Turquin, "Practical multiple scattering compensation for microfacet models", 2019, with the whole
+//! series where he has its first two terms, 1 + F₀ (1 − E) / E. The fits are our own.
 
 use super::ggx;
 use crate::lane::Lane;
@@ -32,8 +33,6 @@ pub struct Albedo<L: Lane> {
     pub white: L,
     /// E₅.
     pub grazing: L,
-    /// (1 − E) / E.
-    lost: L,
 }
 
 impl<L: Lane> Albedo<L> {
@@ -62,17 +61,22 @@ impl<L: Lane> Albedo<L> {
         let below = mu.mul_add(n(141.07), s.mul_add(n(-386.2), a.mul_add(n(16.95), n(-50.08))));
         let below = mu.mul_add(below, s.mul_add(s.mul_add(n(248.7), n(84.49)), one));
         let grazing = white * schlick(a.mul_add(n(1.198), above) / below);
-        Self { white, grazing, lost: loss / (divisor - loss) }
+        Self { white, grazing }
     }
-    /// 1 + F₀ (1 − E) / E of each channel.
+    /// 1 / (1 − F₀ (1 − E)).
+    #[inline(always)]
+    pub(super) fn series(&self, f0: L) -> L {
+        L::one() / f0.neg_mul_add(L::one() - self.white, L::one())
+    }
+    /// The same of each channel.
     #[inline(always)]
     pub fn compensation(&self, f0: Vec3<L>) -> Vec3<L> {
-        f0.mul_add(self.lost, Vec3::repeat(L::one()))
+        Vec3::new(self.series(f0.x), self.series(f0.y), self.series(f0.z))
     }
     /// What is reflected in all with Schlick's F.
     #[inline(always)]
     pub fn reflected(&self, f0: L) -> L {
-        f0.mul_add(self.white - self.grazing, self.grazing) * f0.mul_add(self.lost, L::one())
+        f0.mul_add(self.white - self.grazing, self.grazing) * self.series(f0)
     }
 }
 

@@ -3,8 +3,8 @@
 //! With F₀ the dielectric's reflectance at normal incidence, m the metallic share and a the colour:
 //!
 //! ```text
-//! f = F D G₂ / (4 cos i cos o) (1 + F₁ (1 − E) / E) + (1 − m) a (1 − A) / π
-//! F = F₁ + (1 − F₁) (1 − h · o)⁵,   F₁ = (1 − m) F₀ + m a
+//! f = ((1 − m) F(F₀) + m F(a)) D G₂ / (4 cos i cos o) + (1 − m) a (1 − A) / π
+//! F(x) = (x + (1 − x) (1 − h · o)⁵) / (1 − x (1 − E))
 //! ```
 //!
 //! E is the albedo of white GGX, and A what a dielectric's specular part reflects in all, both seen from o:
@@ -46,10 +46,9 @@ pub fn normal_reflectance(ior: f32) -> f32 {
 /// What depends on the direction from which metal-rough is seen, and not on that of the light.
 #[derive(Clone, Copy)]
 struct View<L: Lane> {
-    /// F₁.
+    /// (1 − m) F(F₀) + m F(a) at h = o, and where h · o = 0.
     normal: Vec3<L>,
-    /// 1 + F₁ (1 − E) / E.
-    compensation: Vec3<L>,
+    grazing: Vec3<L>,
     /// (1 − m) (1 − A).
     base: L,
     /// The probability of sampling the specular part: its share of the reflected light, by the brightest
@@ -58,12 +57,12 @@ struct View<L: Lane> {
 }
 
 impl<L: Lane> View<L> {
-    /// F of the facet that reflects d into `wi`, with its compensation: h · o = |h| / 2.
+    /// (1 − m) F(F₀) + m F(a) of the facet that reflects d into `wi`: h · o = |h| / 2.
     #[inline(always)]
     fn specular(&self, d: Vec3<L>, wi: Vec3<L>) -> Vec3<L> {
         let half = wi - d;
         let s = schlick(L::splat(0.5) * half.dot(half).sqrt());
-        self.normal.mul_add(L::one() - s, Vec3::repeat(s)) * self.compensation
+        self.normal * (L::one() - s) + self.grazing * s
     }
 }
 
@@ -72,13 +71,16 @@ impl<L: Lane> MetalRough<L> {
     fn view(&self, d: Vec3<L>, n: Vec3<L>) -> View<L> {
         let albedo = Albedo::of(ggx::cos_o(d, n), self.alpha);
         let dielectric = L::one() - self.metallic;
-        let normal = self.color.mul_add(self.metallic, Vec3::repeat(dielectric * self.f0));
+        let uncompensated = self.color.mul_add(self.metallic, Vec3::repeat(dielectric * self.f0));
         let base = dielectric * (L::one() - albedo.reflected(self.f0)).max(L::zero());
         let brightest = |v: Vec3<L>| v.x.max(v.y).max(v.z);
-        let (specular, diffuse) = (albedo.reflected(brightest(normal)), base * brightest(self.color));
+        let (specular, diffuse) = (albedo.reflected(brightest(uncompensated)), base * brightest(self.color));
         // Where both are zero, the result is black.
         let specular_probability = specular / (specular + diffuse).max(L::splat(f32::MIN_POSITIVE));
-        View { normal, compensation: albedo.compensation(normal), base, specular_probability }
+        let of_dielectric = Vec3::repeat(albedo.series(self.f0) * dielectric);
+        let of_metal = albedo.compensation(self.color) * self.metallic;
+        let normal = of_dielectric * self.f0 + of_metal * self.color;
+        View { normal, grazing: of_dielectric + of_metal, base, specular_probability }
     }
 
     /// Samples the specular part or the base, as `uc` says. The second result is the weight with colour.

@@ -4,7 +4,7 @@
 //! [`crate::kernel::light`].
 
 use crate::buffers::{EnvironmentLight, Lights};
-use crate::kernel::light::LightSample;
+use crate::kernel::light::{FlatLight, LightSample};
 use crate::lane::{Bits, Lane, functions};
 use crate::math::{BELOW_ONE, Vec3};
 
@@ -31,6 +31,14 @@ pub struct ChosenLight<L: Lane> {
     /// Its contribution counts so many times: 1 if it was chosen by power, else the probability by power over
     /// that by irradiance.
     pub weight: L,
+}
+
+impl<L: Lane> ChosenLight<L> {
+    /// The light as seen from `origin`, if it is a triangle or a parallelogram.
+    #[inline(always)]
+    pub fn flat(&self, origin: Vec3<L>) -> FlatLight<L> {
+        FlatLight { a: self.at - origin, ab: self.ab, ac: self.ac, is_quad: self.is_quad }
+    }
 }
 
 /// How many lights [`Lights::resample`] compares.
@@ -138,6 +146,20 @@ impl Lights {
         // 0 where no candidate is above the horizon.
         let weight = L::select(L::zero().lt(quotient), mean / quotient, L::zero());
         self.fetch(chosen, weight, false)
+    }
+
+    /// The lights that are the pieces of triangles at barycentrics, in the lanes of `mask`; `chance` is that
+    /// of [`Lights::chance`].
+    #[inline(always)]
+    pub fn piece_at<L: Lane>(&self, chance: L, (u, v): (L, L), mask: L::Mask) -> ChosenLight<L> {
+        let side = L::splat(self.pieces_side as f32);
+        let last = side - L::one();
+        let row = (v * side).floor().max(L::zero()).min(last);
+        let column = (u * side).floor().max(L::zero()).min(last - row);
+        // Row r begins after r rows that are one shorter each.
+        let before = row * L::splat(-0.5).mul_add(row - L::one(), side);
+        let light = (before + column - L::one() - chance).truncate_to_int();
+        self.fetch(L::Bits::select(mask, light, L::Bits::splat(0)), L::one(), false)
     }
 
     /// An estimate of the irradiance of a light at `point` on a surface with the normal `n`, nothing between

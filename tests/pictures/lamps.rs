@@ -37,14 +37,21 @@ fn add_shape(rng: &mut Rng, scene: &mut Scene) {
     }
 }
 
+/// A texture that is black but for one texel.
+fn spot(width: u32, height: u32) -> Texture {
+    let texel = |index: u32| if index == width + 2 { [255; 4] } else { [0, 0, 0, 255] };
+    let texels = Texels::Srgb8((0..width * height).map(texel).collect());
+    Texture { texels, ..noise(&mut Rng(1), width, height, Filter::Bilinear) }
+}
+
 /// A floor under some lamps and panels.
 fn lamps(rng: &mut Rng) -> Scene {
     let gray = Material { color: Vec3::splat(0.5), ..material(Diffuse) };
-    let painted = Material { texture: Some(0), ..lamp(2.0) };
+    let painted = Material { texture: Some(rng.index(2) as u32), ..lamp(2.0) };
     let shining = Material { emission: Vec3::ONE, emission_map: Some(0), ..gray.clone() };
     let mut scene = Scene {
         materials: vec![gray.clone(), lamp(1.0), gray, painted, shining],
-        textures: vec![noise(rng, 4, 3, Filter::Bilinear)],
+        textures: vec![noise(rng, 4, 3, Filter::Bilinear), spot(6, 8)],
         resolution: [16, 16],
         ..floor(vec3(0.2, 0.0, -0.1), 1.0)
     };
@@ -58,6 +65,29 @@ fn mean_of(scene: &Scene, lights: LightChoice, samples: u32) -> (f64, f64) {
     let methods = Methods { lights, sampler: Sampler::Random, ..Methods::default() };
     let picture = render(scene, Settings { methods, ..Settings::of(scene) }, samples);
     mean_and_error(&picture.pixels.iter().map(|pixel| f64::from(pixel[0])).collect::<Vec<_>>())
+}
+
+#[test]
+fn lamps_that_are_bright_in_one_place_are_sampled_there() {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, z]| vec3(x, 2.0, z));
+    let halves = [[0, 1, 2], [0, 2, 3]];
+    let mut scene = floor(vec3(0.2, 0.0, -0.1), 1.0);
+    let lamp = scene.materials.len() as u32;
+    scene.materials.push(Material { texture: Some(0), ..emitter(Vec3::splat(50.0)) });
+    scene.textures = vec![spot(8, 8)];
+    scene.uvs = vec![[Vec2::ZERO; 3]; scene.triangles.len()];
+    for half in halves {
+        let vertices = half.map(|corner| corners[corner]);
+        scene.triangles.push(triangle(vertices, lamp));
+        scene.uvs.push(vertices.map(|vertex| 0.5 * vec2(vertex.x, vertex.z) + 0.5));
+    }
+    scene.resolution = [32, 32];
+    let picture = |lanes| bits(&render(&scene, Settings { lanes, ..Settings::of(&scene) }, 4));
+    assert!(WIDTHS.iter().all(|&lanes| picture(lanes) == picture(1)), "widths differ");
+    let [(in_pieces, error), (whole, whole_error)] =
+        [LightChoice::Auto, LightChoice::Power].map(|lights| mean_of(&scene, lights, 64));
+    assert!((in_pieces - whole).abs() < 4.0 * error.hypot(whole_error), "{in_pieces} and {whole}");
+    assert!(error < 0.3 * whole_error, "{error} in pieces, {whole_error} of the whole");
 }
 
 fn means_agree(scenes: u64, samples: u32) {

@@ -3,7 +3,7 @@
 
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
-use super::light_power::{has_texture, power_of, sky_power};
+use super::light_power::{has_texture, piece_shares, pieces, power_of, sky_power};
 use super::overlaps;
 use super::quads;
 use super::rows::Rows;
@@ -12,6 +12,7 @@ use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::lane::{Bits, Lane};
 use crate::math::MISS;
 use crate::scene::{MaterialKind, Primitive, Scene, Triangle};
+use glam::DVec3;
 use std::collections::HashMap;
 use std::f32::consts::PI;
 
@@ -30,7 +31,8 @@ choices! {
 
 /// The lights that next event estimation samples.
 ///
-/// Two triangles that make a parallelogram are one light. Each is chosen with a probability of its share of
+/// Two triangles that make a parallelogram are one light; a triangle whose texture is much brighter in places
+/// is a light for each of its pieces. Each is chosen with a probability of its share of
 /// all power, but at least `MIN_SHARE`, in constant time by an alias table: Walker, "An Efficient Method for
 /// Generating Discrete Random Variables with General Distributions", ACM TOMS 3(3), 1977; the table by Vose,
 /// IEEE TSE 17(9), 1991.
@@ -56,6 +58,10 @@ pub struct Lights {
     pub diagonals: Vec<u8>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
+    /// The light that is the first piece of each triangle sampled in pieces; the others follow.
+    pub(crate) first_pieces: HashMap<usize, u32>,
+    /// Pieces along an edge of such a triangle.
+    pub(crate) pieces_side: usize,
     /// The two primitives that each light is, or twice the one; [`MISS`] of the sky. Only where a light has a
     /// texture, or lies in another primitive's surface: what a shadow ray hits then decides what it adds.
     primitives: Vec<u32>,
@@ -80,6 +86,22 @@ const MIN_CONTRAST: f64 = 2.0;
 /// only at some of its points. A light beside one 10⁹ times as bright would contribute 59 times its power
 /// (`tests/laws/choosing.rs`). Costs no more than this share of all shadow rays.
 const MIN_SHARE: f64 = 1.0 / 64.0;
+
+/// Most pieces of all triangles together, and along an edge of one.
+const MAX_PIECES: usize = 1 << 16;
+const MAX_SIDE: usize = 16;
+
+/// A light before it is a row.
+#[derive(Clone, Copy)]
+struct Light {
+    /// The primitive, or the first half of a parallelogram.
+    number: usize,
+    power: f64,
+    /// The vertex opposite the other half.
+    corner: Option<usize>,
+    /// Column and row of a piece.
+    piece: Option<[usize; 2]>,
+}
 
 impl Lights {
     /// Most lights whose rows fit the register form.
@@ -107,40 +129,66 @@ impl Lights {
         }
         let quadrics = scene.first_triangle();
         let merge = choice != LightChoice::Power;
-        let halves =
-            if merge { quads::find(scene, |triangle| powers[quadrics + triangle]) } else { HashMap::new() };
+        let is_textured = |&number: &usize| merge && powers[number] > 0.0 && has_texture(scene, number);
+        let textured: Vec<usize> = (quadrics..primitives).filter(is_textured).collect();
+        let mut side = MAX_SIDE;
+        while textured.len() * side * side > MAX_PIECES {
+            side /= 2;
+        }
+        let shares_of = |&number: &usize| Some((number, piece_shares(scene, number, side)?));
+        let in_pieces: HashMap<usize, Vec<f64>> =
+            if side > 1 { textured.iter().filter_map(shares_of).collect() } else { HashMap::new() };
+        let whole = |triangle: usize| match in_pieces.get(&(quadrics + triangle)) {
+            Some(_) => 0.0,
+            None => powers[quadrics + triangle],
+        };
+        let halves = if merge { quads::find(scene, whole) } else { HashMap::new() };
         // The first half of each parallelogram stands for both.
         let partner =
             |number: usize| halves.get(&number.wrapping_sub(quadrics)).map(|half| quadrics + half.partner);
         let first = |number: usize| partner(number).map_or(number, |other| number.min(other));
         let mut light_powers = vec![0.0; powers.len()];
         powers.iter().enumerate().for_each(|(number, power)| light_powers[first(number)] += power);
-        let lights: Vec<usize> = (0..=primitives).filter(|&number| light_powers[number] > 0.0).collect();
-        let shares = shares(lights.iter().map(|&number| light_powers[number] / total).collect());
+        let mut lights = Vec::new();
+        let mut first_pieces = HashMap::new();
+        for number in (0..=primitives).filter(|&number| light_powers[number] > 0.0) {
+            let corner = halves.get(&number.wrapping_sub(quadrics)).map(|half| half.corner);
+            let light = Light { number, power: light_powers[number], corner, piece: None };
+            if let Some(shares) = in_pieces.get(&number) {
+                first_pieces.insert(number, lights.len() as u32);
+                let of_piece =
+                    |(share, piece)| Light { power: light.power * share, piece: Some(piece), ..light };
+                lights.extend(shares.iter().zip(pieces(side)).map(of_piece));
+            } else {
+                lights.push(light);
+            }
+        }
+        let shares = shares(lights.iter().map(|light| light.power / total).collect());
         let mut probabilities = vec![0.0; powers.len()];
-        lights.iter().zip(&shares).for_each(|(&number, &share)| probabilities[number] = share as f32);
+        lights.iter().zip(&shares).for_each(|(light, &share)| probabilities[light.number] += share as f32);
         (0..powers.len()).for_each(|number| probabilities[number] = probabilities[first(number)]);
         let mut diagonals = vec![0; if halves.is_empty() { 0 } else { scene.triangles.len() }];
         halves.iter().for_each(|(&triangle, half)| diagonals[triangle] = half.corner as u8 + 1);
-        let corner = |number: usize| halves.get(&number.wrapping_sub(quadrics)).map(|half| half.corner);
         let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
-        let hits_decide = lights.iter().any(|&number| has_texture(scene, number))
+        let hits_decide = lights.iter().any(|light| has_texture(scene, light.number))
             || overlaps::exist(scene, |number| powers[number] > 0.0);
-        let primitives_of = |&number: &usize| match number {
+        let primitives_of = |light: &Light| match light.number {
             sky if sky == primitives => [MISS; 2],
             number => [number, partner(number).unwrap_or(number)].map(|number| number as u32),
         };
         let by_irradiance = merge && (is_few || lights.len() > Self::MAX_SHARED);
         let important = lights.iter().filter(|_| by_irradiance);
         Self {
-            importance_rows: Rows::new(important.map(|&number| {
-                importance_row(scene, number, light_powers[number], sky.as_ref(), corner(number))
-            })),
-            rows: Rows::new(lights.iter().zip(&shares).flat_map(|(&number, &share)| {
-                let offset = partner(number)
+            importance_rows: Rows::new(
+                important.map(|light| importance_row(scene, light, light.flat(scene, side), sky.as_ref())),
+            ),
+            rows: Rows::new(lights.iter().zip(&shares).flat_map(|(light, &share)| {
+                let offset = partner(light.number)
                     .map_or(0.0, |other| triangle_offset(scene.triangles[other - quadrics].vertices));
-                rows(scene, number, share as f32, corner(number).map(|corner| (corner, offset)))
+                rows(scene, light.number, share as f32, light.flat(scene, side), offset)
             })),
+            first_pieces,
+            pieces_side: side,
             alias_table: AliasTable::new(&shares),
             sky: sky.map(|sky| (sky, probabilities[primitives])),
             probabilities,
@@ -150,6 +198,14 @@ impl Lights {
             } else {
                 Vec::new()
             },
+        }
+    }
+    /// What triangles store: the probability of choosing the primitive, or of one sampled in pieces minus one
+    /// more than the light that is its first piece.
+    pub(crate) fn chance(&self, number: usize) -> f32 {
+        match self.first_pieces.get(&number) {
+            Some(&first) => -((first + 1) as f32),
+            None => self.probabilities.get(number).copied().unwrap_or(0.0),
         }
     }
     /// Whether what shadow rays hit decides what they add, and not whether something is in their way.
@@ -204,23 +260,40 @@ fn anything_scatters(scene: &Scene) -> bool {
     })
 }
 
-/// See [`Lights::rows`]. `quad`: of a triangle that is half of a parallelogram, the vertex opposite the other
-/// half, and the offset of that.
-fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32)>) -> [[f32; 8]; 2] {
+impl Light {
+    /// Of a flat light: its first vertex, the edges from there, and whether it is a parallelogram.
+    fn flat(&self, scene: &Scene, side: usize) -> Option<([DVec3; 3], bool)> {
+        let triangle = self.number.checked_sub(scene.first_triangle())?;
+        let vertices = scene.triangles.get(triangle)?.vertices;
+        let vertex = |index: usize| vertices[(self.corner.unwrap_or(0) + index) % 3].as_dvec3();
+        let (a, ab, ac) = (vertex(0), vertex(1) - vertex(0), vertex(2) - vertex(0));
+        let Some([column, row]) = self.piece else { return Some(([a, ab, ac], self.corner.is_some())) };
+        let part = 1.0 / side as f64;
+        let first = a + (ab * column as f64 + ac * row as f64) * part;
+        Some(([first, ab * part, ac * part], column + row + 1 < side))
+    }
+}
+
+/// See [`Lights::rows`]. `offset` is that of a parallelogram's other half.
+fn rows(
+    scene: &Scene,
+    number: usize,
+    probability: f32,
+    flat: Option<([DVec3; 3], bool)>,
+    offset: f32,
+) -> [[f32; 8]; 2] {
     if number == scene.primitives() {
         return [[0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, probability], [0.0; 8]];
     }
     let primitive = scene.primitive(number);
     let (points, radius) = primitive.hull();
     let e = scene.materials[primitive.material() as usize].emission;
-    match primitive {
-        Primitive::Triangle(&Triangle { vertices, .. }) => {
-            let (corner, other) = quad.unwrap_or_default();
-            let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3]);
-            let (ab, ac) = (b - a, c - a);
+    match (primitive, flat) {
+        (Primitive::Triangle(&Triangle { vertices, .. }), Some((edges, is_quad))) => {
+            let [a, ab, ac] = edges.map(|edge| edge.as_vec3());
             // The halves of a parallelogram agree within the offset of either.
-            let offset = triangle_offset(vertices) + other;
-            let is_quad = f32::from(u8::from(quad.is_some()));
+            let offset = triangle_offset(vertices) + offset;
+            let is_quad = f32::from(u8::from(is_quad));
             [
                 [a.x, a.y, a.z, 0.0, e.x, e.y, e.z, probability],
                 [ab.x, ab.y, ab.z, ac.x, ac.y, ac.z, is_quad, offset],
@@ -237,28 +310,26 @@ fn rows(scene: &Scene, number: usize, probability: f32, quad: Option<(usize, f32
 /// See [`Lights::importance_rows`].
 fn importance_row(
     scene: &Scene,
-    number: usize,
-    power: f64,
+    &Light { number, power, .. }: &Light,
+    flat: Option<([DVec3; 3], bool)>,
     sky: Option<&EnvironmentLight>,
-    quad: Option<usize>,
 ) -> [f32; 8] {
     if number == scene.primitives() {
         let irradiance = f64::from(PI) * sky.map_or(0.0, |sky| sky.mean);
         return [0.0, 0.0, 0.0, SKY_RADIUS, 0.0, 0.0, 0.0, irradiance as f32];
     }
     let power = power / f64::from(PI);
-    match scene.primitive(number) {
-        Primitive::Triangle(Triangle { vertices, .. }) => {
-            let corner = quad.unwrap_or_default();
-            let [a, b, c] = [0, 1, 2].map(|index| vertices[(corner + index) % 3].as_dvec3());
-            let center = if quad.is_some() { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
+    match flat {
+        Some(([a, ab, ac], is_quad)) => {
+            let (b, c) = (a + ab, a + ac);
+            let center = if is_quad { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
             let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
-            let n = (b - a).cross(c - a).normalize().as_vec3();
+            let n = ab.cross(ac).normalize().as_vec3();
             let center = center.as_vec3();
             [center.x, center.y, center.z, radius as f32, n.x, n.y, n.z, (0.5 * power) as f32]
         }
-        sphere => {
-            let (points, radius) = sphere.hull();
+        None => {
+            let (points, radius) = scene.primitive(number).hull();
             [points[0].x, points[0].y, points[0].z, radius, 0.0, 0.0, 0.0, (0.25 * power) as f32]
         }
     }

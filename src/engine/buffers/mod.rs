@@ -41,8 +41,8 @@ pub struct Buffers {
     /// number is u on both sides.
     pub quadric_rows: Rows,
     /// Two rows of eight a triangle: a, ab, offset, material and [`Lights::diagonals`] (bits, see
-    /// [`DIAGONAL_SHIFT`]); ac, unit normal, probability of being chosen as a light,
-    /// [`surface::near_edge`].
+    /// [`DIAGONAL_SHIFT`]); ac, unit normal, [`Lights::chance`] of being chosen as a
+    /// light, [`surface::near_edge`].
     pub triangle_rows: Rows,
     /// One row of eight a triangle: u and v of the three vertices, v downwards, and
     /// [`surface::texture_density`]; empty without texture coordinates.
@@ -143,7 +143,7 @@ impl Buffers {
     /// With the lights that the choice selects.
     pub fn with_lights(scene: &Scene, choice: LightChoice) -> Self {
         let lights = Lights::new(scene, choice);
-        let probability = |number: usize| lights.probabilities.get(number).copied().unwrap_or(0.0);
+        let probability = |number: usize| lights.chance(number);
         let quadrics = scene.all_primitives().take(scene.first_triangle()).enumerate();
         let triangles = scene.triangles.iter().enumerate();
         let diagonal = |number: usize| lights.diagonals.get(number).copied().unwrap_or(0);

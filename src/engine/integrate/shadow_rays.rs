@@ -14,7 +14,7 @@ use super::scratch::Scratch;
 use super::stats::{RayKind, Stage};
 use super::surface::Surface;
 use crate::buffers::{Features, Lights};
-use crate::kernel::light::{FlatLight, LightSample, sample_flat, sample_sphere};
+use crate::kernel::light::{LightSample, sample_flat, sample_sphere};
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -65,7 +65,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let at = light.at - origin;
     let is_sphere = L::zero().lt(light.radius);
     let (spheres, flats) = ((mask & is_sphere).any(), (mask & !is_sphere).any());
-    let flat = FlatLight { a: at, ab: light.ab, ac: light.ac, is_quad: light.is_quad };
+    let flat = light.flat(origin);
     let mut sample = match (has(N, Features::SPHERES) && spheres, has(N, Features::TRIANGLES) && flats) {
         (true, false) => sample_sphere(at, light.radius, u, v),
         (false, _) => sample_flat(&flat, u, v),

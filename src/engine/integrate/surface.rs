@@ -143,11 +143,19 @@ impl<L: Lane> Surface<L> {
         self.material = L::Bits::select(keep, self.material, index);
         if has(N, Features::LIGHTS) {
             let mut pdf = L::zero();
-            if (!keep & L::zero().lt(chance)).any() {
+            if (!keep & !chance.eq(L::zero())).any() {
                 let Ray { origin, direction } = path.ray;
                 let a = Vec3::new(ax, ay, az) - origin;
                 let diagonal = material.shr(DIAGONAL_SHIFT);
-                pdf = chance * light::flat_pdf(&flat_light(a, ab, ac, diagonal), direction, hit.t);
+                let mut flat = flat_light(a, ab, ac, diagonal);
+                let mut chance = chance;
+                let in_pieces = !keep & chance.lt(L::zero());
+                if has(N, Features::MANY_LIGHTS) && in_pieces.any() {
+                    let piece = context.buffers.lights.piece_at(chance, self.barycentric, in_pieces);
+                    flat = FlatLight::select(in_pieces, piece.flat(origin), flat);
+                    chance = L::select(in_pieces, piece.probability, chance);
+                }
+                pdf = chance * light::flat_pdf(&flat, direction, hit.t);
             }
             // Lanes on non-emissive triangles hold the pdf of some sphere: overwrite them too.
             self.light_pdf = L::select(keep, self.light_pdf, pdf);

@@ -105,6 +105,19 @@ pub struct FlatLight<L: Lane> {
     pub is_quad: L::Mask,
 }
 
+impl<L: Lane> FlatLight<L> {
+    /// Lane by lane, one of two lights.
+    #[inline(always)]
+    pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
+        Self {
+            a: Vec3::select(mask, if_true.a, if_false.a),
+            ab: Vec3::select(mask, if_true.ab, if_false.ab),
+            ac: Vec3::select(mask, if_true.ac, if_false.ac),
+            is_quad: (mask & if_true.is_quad) | (!mask & if_false.is_quad),
+        }
+    }
+}
+
 /// A triangle projected onto the unit sphere around the lit point.
 #[derive(Clone, Copy)]
 struct SphericalTriangle<L: Lane> {

@@ -148,8 +148,8 @@ impl Lights {
         self.fetch(chosen, weight, false)
     }
 
-    /// The lights that are the pieces of triangles at barycentrics, in the lanes of `mask`; `chance` is that
-    /// of [`Lights::chance`].
+    /// The lights that are the pieces of triangles at barycentrics, in the lanes of `mask`; `chance` is
+    /// the probability of the light.
     #[inline(always)]
     pub fn piece_at<L: Lane>(&self, chance: L, (u, v): (L, L), mask: L::Mask) -> ChosenLight<L> {
         let side = L::splat(self.pieces_side as f32);

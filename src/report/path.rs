@@ -68,6 +68,9 @@ fn numbers(value: &Value) -> Vec<f64> {
 /// Three cells of up to nine significant digits: all that f32 has.
 fn cells(numbers: &[f64]) -> [String; 3] {
     let text = |&x: &f64| {
+        if x != 0.0 && !(1e-4..1e10).contains(&x.abs()) {
+            return format!("{x:.8e}");
+        }
         let digits = (8.0 - x.abs().log10().floor()).clamp(1.0, 12.0) as usize;
         format!("{x:.digits$}").trim_end_matches('0').trim_end_matches('.').into()
     };

@@ -74,6 +74,34 @@ fn models_in_coordinates_of_a_map_keep_every_digit() {
     assert_eq!(seen(&far), seen(&at(0.0, 0.0)));
     assert_eq!(far.coordinates.origin.to_array(), [447_322.0, 0.25, -5_411_873.25]);
     assert!(far.warnings.is_empty());
+    // Placed by a scene that moves it home, or elsewhere.
+    let placed = |translate: [f64; 3]| {
+        let mesh = json!({ "model": "m.obj", "translate": translate });
+        folder.load("s.json", json!({ "format": "octray-1", "meshes": [mesh] }).to_string()).unwrap()
+    };
+    at(447_321.5, -5_411_873.25);
+    for translate in [[0.0, 10.0, 0.0], [-447_321.5, 0.0, 5_411_873.25]] {
+        let scene = placed(translate);
+        let sides =
+            |scene: &Scene| scene.triangles[0].vertices.map(|vertex| vertex - scene.triangles[0].vertices[0]);
+        assert_eq!(sides(&scene), sides(&far), "{translate:?}");
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    }
+}
+
+#[test]
+fn cameras_far_from_the_origin_are_warned_of() {
+    let folder = Folder::new();
+    folder.write("s.json", r#"{ "format": "octray-1", "spheres": [{ "center": [0,0,0], "radius": 1 }] }"#);
+    let camera = r#""camera": { "position": [5e6, 1, 5], "look_at": [5e6, 1, 0] }"#;
+    let view = |keys: &str| format!(r#"{{ "format": "octray-view-1", "scene": "s.json", {keys} }}"#);
+    for keys in [camera.to_string(), format!(r#""keyframes": [{{ "frame": 1, {camera} }}]"#)] {
+        let warning = folder.load("v.json", view(&keys)).unwrap().warnings.concat();
+        assert!(warning.contains("rounded to 6.0e-1") && warning.contains("`origin`"), "{warning}");
+    }
+    let keys = r#""origin": [1e7, 0, 0], "spheres": [{ "center": [0,0,0], "radius": 1 }]"#;
+    let scene = folder.load("o.json", format!(r#"{{ "format": "octray-1", {keys} }}"#)).unwrap();
+    assert!(scene.warnings.concat().contains("`origin`"), "{:?}", scene.warnings);
 }
 
 #[test]

@@ -595,7 +595,7 @@ fn message_reads_what_where_and_remedy_in_three_lines() {
     let error = refuse(folder.path(), sphere("{ \"center\": [0,0,0], \"radius\": 0 }"));
     let path = folder.path().join("scene.json");
     let expected = format!(
-        "the radius is 0\n  at {}: spheres[0].radius, line 1, column 47\n  a radius is at least 1e-18",
+        "the radius is 0\n  at {}: spheres[0].radius, line 1, column 47\n  in a scene of this size a radius is at least 1e-18",
         path.display()
     );
     assert_eq!(error.to_string(), expected);

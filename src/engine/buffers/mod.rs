@@ -41,8 +41,7 @@ pub struct Buffers {
     /// number is u on both sides.
     pub quadric_rows: Rows,
     /// Two rows of eight a triangle: a, ab, offset, material and [`Lights::diagonals`] (bits, see
-    /// [`DIAGONAL_SHIFT`]); ac, unit normal, [`Lights::chance`] of being chosen as a
-    /// light, [`surface::near_edge`].
+    /// [`DIAGONAL_SHIFT`]); ac, unit normal, probability of being chosen as a light, [`surface::near_edge`].
     pub triangle_rows: Rows,
     /// One row of eight a triangle: u and v of the three vertices, v downwards, and
     /// [`surface::texture_density`]; empty without texture coordinates.

@@ -86,7 +86,7 @@ impl SceneBuilder {
         self.has_coordinates = true;
     }
     /// From a model's points, which `placement` places in the file, to those of the scene. Without
-    /// coordinates, the scene gets some around the model's translation or else its first point.
+    /// coordinates, the scene gets some around the model's first point.
     pub fn within_scene(
         &mut self,
         placement: &Placement,
@@ -94,8 +94,12 @@ impl SceneBuilder {
     ) -> Placement {
         if !self.has_coordinates {
             let points = points.map(|point| placement.point(point));
-            let origin = Some(placement.translate).filter(|translate| *translate != DVec3::ZERO);
-            let origin = origin.or_else(|| points.clone().next()).unwrap_or_default();
+            let first = points.clone().next().unwrap_or_default();
+            // What is added to a translation has few digits, so that the sum rounds nothing.
+            let origin = match placement.translate {
+                DVec3::ZERO => first,
+                translate => translate + (first - translate).as_vec3().as_dvec3(),
+            };
             let size = points.map(|point| point.distance_squared(origin)).fold(0.0, f64::max).sqrt();
             self.set_coordinates(Coordinates::around(origin, size));
         }
@@ -225,12 +229,11 @@ impl SceneBuilder {
         if sky.is_black() && !self.scene.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }
-        self.scene.camera = camera;
-        warn_of_size(&self.scene).into_iter().for_each(|what| self.warn(what));
+        warn_of_size(&self.scene, &camera).into_iter().for_each(|what| self.warn(what));
         if self.more_warnings > 0 {
             self.scene.warnings.push(format!("{} more warnings are left out.", self.more_warnings));
         }
-        Ok(Scene { name, resolution, max_bounces, sky, textures: self.textures.list, ..self.scene })
+        Ok(Scene { name, camera, resolution, max_bounces, sky, textures: self.textures.list, ..self.scene })
     }
 }
 

@@ -20,6 +20,8 @@ pub const WITHIN_BOUNDS: &str =
 /// The largest offset of rays that leave a primitive, in distances from the camera to what it looks at: at
 /// half of it, pictures of balls on a floor change by less than 1 %.
 const MOST_OFFSET: f64 = 1.0 / 32.0;
+/// The coarsest rounding of coordinates at what the camera looks at, in distances from the camera.
+const MOST_ROUNDING: f64 = 1e-4;
 /// Surfaces that are so many of these distances from what the camera looks at are not in the way of it.
 const IN_VIEW: f64 = 8.0;
 
@@ -46,10 +48,21 @@ pub fn has_area(vertices: &[Vec3; 3]) -> bool {
     doubled.is_normal()
 }
 
-/// Warns of primitives in view that are so large that rays leave them beyond what stands on them.
-pub fn warn_of_size(scene: &Scene) -> Option<String> {
-    let Camera { position, look_at, .. } = scene.camera;
+/// Warns of a camera that looks where coordinates are rounded coarsely, and of primitives in view that are so
+/// large that rays leave them beyond what stands on them.
+pub fn warn_of_size(scene: &Scene, camera: &Camera) -> Option<String> {
+    let Camera { position, look_at, .. } = *camera;
     let view = f64::from(position.distance(look_at));
+    let rounding = f64::from(look_at.abs().max_element() * f32::EPSILON);
+    if rounding > view * MOST_ROUNDING {
+        let look_at = scene.coordinates.to_file(look_at.into());
+        return Some(format!(
+            "What the camera looks at, {look_at}, is so far from the scene's origin, {}, that coordinates are rounded to \
+             {:.1e} there: write a near point as `origin` into the scene's file.",
+            scene.coordinates.origin,
+            rounding * scene.coordinates.unit
+        ));
+    }
     let most = view * MOST_OFFSET;
     let is_too_large = |primitive: Primitive| {
         f64::from(primitive.offset()) > most && primitive.distance(look_at.into()) < IN_VIEW * view
@@ -151,7 +164,8 @@ impl JsonPath<'_> {
         self.number(x)?;
         let radius = x / coordinates.unit;
         if radius < MIN_LENGTH {
-            let least = format!("a radius is at least {:e}", MIN_LENGTH * coordinates.unit);
+            let least =
+                format!("in a scene of this size a radius is at least {:e}", MIN_LENGTH * coordinates.unit);
             let (what, mend) = if x > 0.0 {
                 (format!("the radius {x:e} is too small"), least)
             } else if x == 0.0 {

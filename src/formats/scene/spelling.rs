@@ -39,13 +39,13 @@ fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 /// What keys and types of materials are called in *Ray Tracing in One Weekend*, Mitsuba, pbrt, Blender and
 /// glTF, in small letters without signs between them. The first of our names that is known where the word
 /// stands is meant.
-const SYNONYMS: [(&str, &[&str]); 27] = [
-    ("position location translation translate origin from", &["position", "center", "translate"]),
+const SYNONYMS: [(&str, &[&str]); 28] = [
+    ("position location translation translate origin from pos", &["position", "center", "translate"]),
     ("toworld transform matrix", &["translate", "center", "position"]),
     ("rotation euler rotationeuler", &["rotate_degrees", "turn_degrees"]),
     ("lookfrom eye camerapos cameraposition", &["position"]),
     ("center centre point3", &["center", "position", "look_at"]),
-    ("lookat target at lookto", &["look_at"]),
+    ("lookat target at lookto to direction", &["look_at"]),
     ("vfov fov fovy yfov angle", &["vertical_fov"]),
     ("vup viewup", &["up"]),
     ("imagesize size imagewidth imageheight width height aspectratio aspect film", &["resolution"]),
@@ -56,6 +56,7 @@ const SYNONYMS: [(&str, &[&str]); 27] = [
     ("bsdfs", &["materials"]),
     ("bsdf mat", &["material"]),
     ("albedo reflectance basecolor colour rgb kd diffuse diffusereflectance attenuation", &["color"]),
+    ("r diameter", &["radius"]),
     ("fuzz fuzziness alpha roughnessfactor", &["roughness"]),
     ("metalness", &["metallic"]),
     ("refidx refractionindex refractiveindex indexofrefraction eta intior", &["ior"]),
@@ -63,17 +64,18 @@ const SYNONYMS: [(&str, &[&str]); 27] = [
         "emissive emit emits light diffuselight arealight radiance le power intensity strength",
         &["emission", "emitter"],
     ),
-    ("image imagetexture bitmap filename file path", &["texture", "model"]),
+    ("image imagetexture bitmap filename file path map", &["texture", "model"]),
     ("bump bumpmap normaltexture", &["normal_map"]),
     ("lambertian lambert matte diffusebsdf diffusetransmission", &["diffuse"]),
     ("dielectric thindielectric transparent refractive glassbsdf roughdielectric", &["glass"]),
     ("conductor roughconductor mirror glossy glossybsdf specular chrome", &["metal"]),
-    ("coateddiffuse roughplastic glossydiffuse", &["plastic"]),
+    ("coateddiffuse roughplastic glossydiffuse phong blinnphong", &["plastic"]),
     ("principled principledbsdf disney pbr metallicroughness", &["metal-rough"]),
 ];
 
 /// What octray has in place of other programs' keys, or of its own names that stand elsewhere.
-const INSTEAD: [(&str, &str); 7] = [
+const INSTEAD: [(&str, &str); 8] = [
+    ("lights lamps ambient", "materials with `emission` are the lights, and `sky`"),
     ("world", "`spheres`, `triangles` and `meshes` hold the objects, `sky` is the light around them"),
     (
         "quad quads box boxes cube plane planes rectangle disk cylinder",
@@ -89,7 +91,7 @@ const INSTEAD: [(&str, &str); 7] = [
     ),
     ("opacity transparency transmission", "the type `glass` lets light through"),
     ("samples", "give samples as an option: octray render --samples N"),
-    ("seed exposure tone threads sampler", "that is an option: see octray render --help"),
+    ("seed exposure tone threads sampler integrator", "that is an option: see octray render --help"),
 ];
 /// Keys that other programs write elsewhere, and where they stand.
 const PLACES: [(&[&str], &str); 2] = [

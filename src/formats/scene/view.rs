@@ -3,6 +3,7 @@
 //! For: [`View`] and [`Loaded`], the writer [`View::text`], and [`ViewFile`] and [`apply`] for `load`.
 
 use super::camera_path::{CameraPath, Keyframe};
+use super::check::warn_of_size;
 use super::embedded::PREFIX;
 use super::error::SceneError;
 use super::json::{JsonPath, Source};
@@ -207,6 +208,10 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
         render: file.render.unwrap_or_default(),
         path: path(&root.key("keyframes"), &file.keyframes, &scene)?,
     };
+    let keyframes = view.path.keyframes().iter().map(|keyframe| keyframe.camera);
+    let cameras = view.camera.into_iter().chain(keyframes);
+    let warning = cameras.filter_map(|camera| warn_of_size(&scene, &camera)).next();
+    scene.warnings.extend(warning);
     scene.name = name;
     Ok(Loaded { scene, view: Some(view), read: None })
 }

@@ -12,7 +12,7 @@ use crate::render::{Renderer, Settings};
 use crate::report::inspection::Inspection;
 use crate::report::path;
 use crate::report::settings::{self, RunSettings};
-use crate::scene::point_in_file;
+use crate::scene::{Loaded, point_in_file};
 use serde_json::json;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -92,17 +92,7 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
     let mut renderer = Renderer::new(&scene, settings);
     let f32 = renderer.path([x, y], sample);
     if f32.last().is_some_and(|end| end.radiance == [0.0; 3]) {
-        // A small picture of the same view is as black as a large one.
-        let shrink = (right.max(bottom) / 240).max(1);
-        let small = resolution.map(|side| side.div_ceil(shrink));
-        renderer.set_view(&scene, &scene.camera, small, max_bounces);
-        let mut film = renderer.film();
-        renderer.add_samples(&mut film, 1);
-        let is_black = film.picture().pixels.iter().all(|pixel| *pixel == [0.0; 3]);
-        if is_black || f32.len() > max_bounces as usize {
-            let odd = diagnosis::warnings(&mut renderer, &scene, &film, None);
-            odd.iter().for_each(|odd| terminal::warn(&format!("{odd}.")));
-        }
+        warn_of_black(&mut renderer, &scene, &settings, f32.len());
     }
     let mut of_engine = settings::json(&f32);
     let coordinates = scene.coordinates;
@@ -129,4 +119,20 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
     out.text(&(path::text(&report, &scene) + &settings::own_sizes(&own)))?;
     out.report(&report)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Warns as `octray render` does, if it would of a picture in which this path of so many vertices is black.
+fn warn_of_black(renderer: &mut Renderer, scene: &Loaded, settings: &Settings, vertices: usize) {
+    // A small picture of the same view is as black as a large one.
+    let &Settings { resolution: [width, height], max_bounces, .. } = settings;
+    let shrink = ((width - 1).max(height - 1) / 240).max(1);
+    let small = [width, height].map(|side| side.div_ceil(shrink));
+    renderer.set_view(scene, &scene.camera, small, max_bounces);
+    let mut film = renderer.film();
+    renderer.add_samples(&mut film, 1);
+    let is_black = film.picture().pixels.iter().all(|pixel| *pixel == [0.0; 3]);
+    if is_black || vertices > max_bounces as usize {
+        let odd = diagnosis::warnings(renderer, scene, &film, None);
+        odd.iter().for_each(|odd| terminal::warn(&format!("{odd}.")));
+    }
 }

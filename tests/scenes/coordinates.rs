@@ -1,7 +1,7 @@
 //! Where coordinates stand: scenes anywhere and of any size are the same scene.
 
 use crate::folder::Folder;
-use octray::scene::{Coordinates, Scene};
+use octray::scene::{Coordinates, Scene, View, load_with_view};
 use serde_json::{Value, json};
 
 /// The scene in the coordinates of its file, as far as single precision holds them.
@@ -102,6 +102,20 @@ fn cameras_far_from_the_origin_are_warned_of() {
     let keys = r#""origin": [1e7, 0, 0], "spheres": [{ "center": [0,0,0], "radius": 1 }]"#;
     let scene = folder.load("o.json", format!(r#"{{ "format": "octray-1", {keys} }}"#)).unwrap();
     assert!(scene.warnings.concat().contains("`origin`"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn views_far_from_zero_read_back_as_they_were_written() {
+    let folder = Folder::new();
+    let keys =
+        r#""camera": { "position": [447321.31, 5.7, -5411870.1], "look_at": [447325.9, 4.3, -5411873.77] }"#;
+    let text = format!(
+        r#"{{ "format": "octray-1", {keys}, "spheres": [{{ "center": [447325,4,-5411873], "radius": 1 }}] }}"#
+    );
+    let scene = folder.load("s.json", text).unwrap();
+    let view = View::of(&scene, None, &folder.path(""));
+    let again = load_with_view(&folder.write("v.json", view.text())).unwrap();
+    assert_eq!((again.view.as_ref(), again.camera), (Some(&view), scene.camera), "{}", view.text());
 }
 
 #[test]

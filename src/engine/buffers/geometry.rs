@@ -35,14 +35,14 @@ impl Primitive<'_> {
         };
         let [a, b, c] = vertices;
         let [a, ab, ac] = [a, b - a, c - a].map(Vec3::splat);
-        (ab.mul_add(u, ac.mul_add(v, a)), Vec3::splat(triangle_normal(vertices)), triangle_offset(vertices))
+        (ab.mul_add(u, ac.mul_add(v, a)), Vec3::splat(triangle_normal(vertices)), self.offset())
     }
     /// See [`super::Buffers::quadric_rows`].
     pub(super) fn quadric_row(self, probability: f32) -> [f32; 8] {
         match self {
             Self::Sphere(&Sphere { center, radius, material, texture_turn, texture_side }) => {
                 let [x, y, z] = center.to_array();
-                let (offset, material) = (sphere_offset(center, radius), f32::from_bits(material));
+                let (offset, material) = (self.offset(), f32::from_bits(material));
                 // A turn of 0 has a sign too.
                 let turn = texture_turn.abs().copysign(if texture_side == Side::Inside { 1.0 } else { -1.0 });
                 [x, y, z, 1.0 / radius, offset, material, turn, probability]

@@ -83,7 +83,7 @@ fn bilinear(texture: &Texture, uv: DVec2) -> DVec3 {
 /// From this ratio of the brightest piece to the mean on, sampling a triangle in pieces pays. Choosing among
 /// so many lights halves the speed of a small scene; at a ratio of 2 (a chessboard) the time to equal error
 /// is the same, at 32 it is a thirteenth.
-const MIN_CONTRAST: f64 = 4.0;
+const MIN_PIECE_CONTRAST: f64 = 4.0;
 /// The least power of a piece, as a share of its triangle's mean: its points may have missed a bright texel.
 const MIN_PIECE: f64 = 1.0 / 16.0;
 /// Points along each side of a piece at which its texture is read.
@@ -118,7 +118,7 @@ pub(super) fn piece_shares(scene: &Scene, number: usize, side: usize) -> Option<
     let floored: Vec<f64> = powers.iter().zip(pieces(side)).map(floored).collect();
     let total: f64 = floored.iter().sum();
     let pays =
-        powers.iter().zip(pieces(side)).any(|(power, piece)| power / area(piece) > MIN_CONTRAST * mean);
+        powers.iter().zip(pieces(side)).any(|(power, piece)| power / area(piece) > MIN_PIECE_CONTRAST * mean);
     pays.then(|| floored.into_iter().map(|power| power / total).collect())
 }
 

@@ -8,10 +8,9 @@ use super::overlaps;
 use super::quads;
 use super::rows::Rows;
 use crate::choice::choices;
-use crate::kernel::surface::{sphere_offset, triangle_offset};
 use crate::lane::{Bits, Lane};
 use crate::math::MISS;
-use crate::scene::{MaterialKind, Primitive, Scene, Triangle};
+use crate::scene::{MaterialKind, Primitive, Scene};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::f32::consts::PI;
@@ -32,10 +31,10 @@ choices! {
 /// The lights that next event estimation samples.
 ///
 /// Two triangles that make a parallelogram are one light; a triangle whose texture is much brighter in places
-/// is a light for each of its pieces. Each is chosen with a probability of its share of
-/// all power, but at least `MIN_SHARE`, in constant time by an alias table: Walker, "An Efficient Method for
-/// Generating Discrete Random Variables with General Distributions", ACM TOMS 3(3), 1977; the table by Vose,
-/// IEEE TSE 17(9), 1991.
+/// is a light for each of its pieces. Each is chosen with a probability of its share of all power, but at
+/// least `MIN_SHARE`, in constant time by an alias table: Walker, "An Efficient Method for Generating
+/// Discrete Random Variables with General Distributions", ACM TOMS 3(3), 1977; the table by Vose, IEEE TSE
+/// 17(9), 1991.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
     /// Two rows of eight a light. Sphere: centre, radius, emission, probability; 0 (seven times), offset of
@@ -183,8 +182,7 @@ impl Lights {
                 important.map(|light| importance_row(scene, light, light.flat(scene, side), sky.as_ref())),
             ),
             rows: Rows::new(lights.iter().zip(&shares).flat_map(|(light, &share)| {
-                let offset = partner(light.number)
-                    .map_or(0.0, |other| triangle_offset(scene.triangles[other - quadrics].vertices));
+                let offset = partner(light.number).map_or(0.0, |other| scene.primitive(other).offset());
                 rows(scene, light.number, share as f32, light.flat(scene, side), offset)
             })),
             first_pieces,
@@ -289,10 +287,10 @@ fn rows(
     let (points, radius) = primitive.hull();
     let e = scene.materials[primitive.material() as usize].emission;
     match (primitive, flat) {
-        (Primitive::Triangle(&Triangle { vertices, .. }), Some((edges, is_quad))) => {
+        (Primitive::Triangle(_), Some((edges, is_quad))) => {
             let [a, ab, ac] = edges.map(|edge| edge.as_vec3());
             // The halves of a parallelogram agree within the offset of either.
-            let offset = triangle_offset(vertices) + offset;
+            let offset = primitive.offset() + offset;
             let is_quad = f32::from(u8::from(is_quad));
             [
                 [a.x, a.y, a.z, 0.0, e.x, e.y, e.z, probability],
@@ -302,7 +300,7 @@ fn rows(
         // All other lights are spheres.
         _ => [
             [points[0].x, points[0].y, points[0].z, radius, e.x, e.y, e.z, probability],
-            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, sphere_offset(points[0], radius)],
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, primitive.offset()],
         ],
     }
 }

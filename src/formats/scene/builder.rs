@@ -149,8 +149,8 @@ impl SceneBuilder {
         self.colors.materials.insert(material, colored);
         Some(colored)
     }
-    /// Planar texture coordinates for a triangle without any: positions in its plane, in
-    /// the file's coordinates, `size` of its units to one repeat.
+    /// Planar texture coordinates for a triangle without any: positions in its plane, in the file's
+    /// coordinates, `size` of its units to one repeat.
     ///
     /// They depend only on the triangle's plane, so that the texture is continuous across coplanar
     /// neighbours. On planes flatter than [`FLAT`] the texture's upper edge points to −z, and the texture is
@@ -229,7 +229,7 @@ impl SceneBuilder {
         if sky.is_black() && !self.scene.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }
-        warn_of_size(&self.scene, &camera).into_iter().for_each(|what| self.warn(what));
+        warn_of_size(&self.scene, &[camera]).into_iter().for_each(|what| self.warn(what));
         if self.more_warnings > 0 {
             self.scene.warnings.push(format!("{} more warnings are left out.", self.more_warnings));
         }

@@ -30,9 +30,9 @@ pub fn fits(x: f64) -> bool {
     x.abs() <= MAX_NUMBER
 }
 
-/// Whether single precision holds a point of a scene.
+/// Whether single precision holds a point of a scene. False for NaN.
 pub fn is_near(point: DVec3) -> bool {
-    point.abs().max_element() <= MAX_COORDINATE
+    point.to_array().into_iter().all(|x| x.abs() <= MAX_COORDINATE)
 }
 
 /// How to mend a point that is not near.
@@ -48,35 +48,37 @@ pub fn has_area(vertices: &[Vec3; 3]) -> bool {
     doubled.is_normal()
 }
 
-/// Warns of a camera that looks where coordinates are rounded coarsely, and of primitives in view that are so
-/// large that rays leave them beyond what stands on them.
-pub fn warn_of_size(scene: &Scene, camera: &Camera) -> Option<String> {
-    let Camera { position, look_at, .. } = *camera;
-    let view = f64::from(position.distance(look_at));
-    let rounding = f64::from(look_at.abs().max_element() * f32::EPSILON);
-    if rounding > view * MOST_ROUNDING {
-        let look_at = scene.coordinates.to_file(look_at.into());
+/// Warns of the first of these cameras that looks where coordinates are rounded coarsely, or else of
+/// primitives in view of one that are so large that rays leave them beyond what stands on them.
+pub fn warn_of_size(scene: &Scene, cameras: &[Camera]) -> Option<String> {
+    let view = |camera: &Camera| f64::from(camera.position.distance(camera.look_at));
+    let rounding = |camera: &Camera| f64::from(camera.look_at.abs().max_element() * f32::EPSILON);
+    if let Some(far) = cameras.iter().find(|camera| rounding(camera) > view(camera) * MOST_ROUNDING) {
+        let look_at = scene.coordinates.to_file(far.look_at.into());
         return Some(format!(
             "What the camera looks at, {look_at}, is so far from the scene's origin, {}, that coordinates are rounded to \
              {:.1e} there: write a near point as `origin` into the scene's file.",
             scene.coordinates.origin,
-            rounding * scene.coordinates.unit
+            rounding(far) * scene.coordinates.unit
         ));
     }
-    let most = view * MOST_OFFSET;
-    let is_too_large = |primitive: Primitive| {
-        f64::from(primitive.offset()) > most && primitive.distance(look_at.into()) < IN_VIEW * view
+    // The offset, in the camera's distances from what it looks at.
+    let too_large = |(number, primitive): (usize, Primitive)| {
+        let offset = f64::from(primitive.offset());
+        let is_near = |camera: &&Camera| primitive.distance(camera.look_at.into()) < IN_VIEW * view(camera);
+        let mut seen = cameras.iter().filter(|camera| offset > view(camera) * MOST_OFFSET);
+        Some((number, offset / view(seen.find(is_near)?)))
     };
-    let mut found = scene.all_primitives().enumerate().filter(|(_, primitive)| is_too_large(*primitive));
-    let (number, primitive) = found.next()?;
+    let mut found = scene.all_primitives().enumerate().filter_map(too_large);
+    let (number, offset) = found.next()?;
     let (list, index) = scene.place(number);
-    let (offset, more) = (f64::from(primitive.offset()), found.count());
+    let more = found.count();
     let more = if more > 0 { format!(" (as are {more} more)") } else { String::new() };
     Some(format!(
         "{list}[{index}]{more} is too large for single precision: rays leave it off its surface by {:.0} % of the \
          camera's distance from `look_at`, beyond what stands on it. Make it {:.0} times smaller, or more.",
-        100.0 * offset / view,
-        (offset / most).ceil()
+        100.0 * offset,
+        (offset / MOST_OFFSET).ceil()
     ))
 }
 

@@ -15,7 +15,7 @@ use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use octray_engine::film::Picture;
-use octray_engine::scene::{Coordinates, Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
+use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -85,8 +85,7 @@ fn text(scene: &Scene, paths: &[String]) -> String {
     let mut lines = Vec::new();
     let mut entry = |key: &str, value: String| lines.push(format!("  {}: {value}", json!(key)));
     entry("format", json!(FORMAT).to_string());
-    let Coordinates { origin, .. } = scene.coordinates;
-    entry("origin", json!(origin.to_array()).to_string());
+    entry("origin", json!(scene.coordinates.origin.to_array()).to_string());
     entry("camera", camera(&scene.camera, &scene.coordinates));
     entry("resolution", json!(scene.resolution).to_string());
     entry("max_bounces", json!(scene.max_bounces).to_string());

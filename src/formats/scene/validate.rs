@@ -90,10 +90,8 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
 /// the camera looks at or stands at, or else around a corner of a triangle or the middle of the smallest
 /// sphere.
 fn coordinates(file: &SceneFile) -> Option<Coordinates> {
-    let camera = file.camera.as_ref();
-    let [position, look_at] =
-        [camera.and_then(|camera| camera.position), camera.and_then(|camera| camera.look_at)]
-            .map(|p| p.map(DVec3::from));
+    let camera = file.camera.as_ref().map_or([None; 2], |camera| [camera.position, camera.look_at]);
+    let [position, look_at] = camera.map(|point| point.map(DVec3::from));
     let smallest = file.spheres.iter().min_by(|a, b| a.radius.total_cmp(&b.radius));
     let of_triangle = file.triangles.first().map(|triangle| triangle.vertices[0].into());
     let origin = file.origin.map(DVec3::from).or(look_at).or(position).or(of_triangle);

@@ -209,9 +209,8 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
         path: path(&root.key("keyframes"), &file.keyframes, &scene)?,
     };
     let keyframes = view.path.keyframes().iter().map(|keyframe| keyframe.camera);
-    let cameras = view.camera.into_iter().chain(keyframes);
-    let warning = cameras.filter_map(|camera| warn_of_size(&scene, &camera)).next();
-    scene.warnings.extend(warning);
+    let cameras: Vec<Camera> = view.camera.into_iter().chain(keyframes).collect();
+    scene.warnings.extend(warn_of_size(&scene, &cameras));
     scene.name = name;
     Ok(Loaded { scene, view: Some(view), read: None })
 }

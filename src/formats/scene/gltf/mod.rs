@@ -28,6 +28,7 @@ mod nodes;
 mod texture;
 
 use super::builder::{MAX_COPIES, SceneBuilder};
+use super::check::is_near;
 use super::error::SceneError;
 use super::files::Files;
 use super::json::Source;
@@ -39,7 +40,7 @@ use geometry::{Geometry, Transform};
 use glam::DVec4;
 use gltf_json::Root;
 use material::{Added, Materials};
-use octray_engine::scene::{Camera, MAX_COORDINATE, Material, MaterialKind};
+use octray_engine::scene::{Camera, Material, MaterialKind};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
@@ -178,9 +179,8 @@ impl Gltf {
             up: up.normalize_or_zero().as_vec3(),
             vertical_fov: perspective.yfov.to_degrees(),
         };
-        let Camera { position, look_at, up, .. } = camera;
-        let mut placed = [position, look_at, up].into_iter().flat_map(|v| v.to_array());
-        let is_usable = camera.fault().is_none() && placed.all(|x| f64::from(x.abs()) <= MAX_COORDINATE);
+        let mut points = [camera.position, camera.look_at].into_iter();
+        let is_usable = camera.fault().is_none() && points.all(|point| is_near(point.into()));
         if !is_usable {
             framed("cannot be used");
         }

@@ -94,3 +94,17 @@ fn what_would_change_the_colours_of_a_file_is_said() {
         assert!(texel == [1.0, 0.0, 0.0] && is_said, "{what}: {said}");
     }
 }
+
+#[test]
+fn a_jpeg_that_ends_early_is_said_to() {
+    let folder = Folder::new();
+    let picture = image::RgbImage::from_fn(64, 64, |x, y| image::Rgb([x as u8, y as u8, 255]));
+    let mut jpeg = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
+    let jpeg = jpeg.into_inner();
+    for (kept, what) in [(jpeg.len(), ""), (jpeg.len() - 20, "ends early")] {
+        folder.write("p.jpg", &jpeg[..kept]);
+        let (_, said) = seen(&folder, "p.jpg").unwrap();
+        assert!(said.contains(what) && said.is_empty() == what.is_empty(), "{kept}: {said}");
+    }
+}

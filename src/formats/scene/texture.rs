@@ -6,7 +6,7 @@ use super::files::Files;
 use crate::openexr;
 use crate::wording::counted;
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, GenericImageView, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use octray_engine::film::Picture;
 use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
 use std::collections::HashMap;
@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 pub const MAX_IMAGE_SIDE: u32 = u16::MAX as u32;
 /// Most bytes that an image file may be decoded to.
 pub const MAX_IMAGE_BYTES: u64 = 2 << 30;
+/// Most pixels that a byte of a file holds: a PNG of one bit a pixel, which Deflate shrinks to 1 in 1,032.
+const MAX_PIXELS_OF_BYTE: u64 = 8 * 1_032;
 /// Most bytes that the textures of a scene may take, levels of detail included: four of a texel with 8 bits a
 /// channel, sixteen of others.
 const MAX_BYTES: usize = 4 << 30;
@@ -112,13 +114,34 @@ fn decode(
     limits.max_alloc = Some(MAX_IMAGE_BYTES);
     reader.limits(limits);
     let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR image")?;
-    let picture = reader.decode().map_err(|error| match error {
+    let refused = |error| match error {
         ImageError::Limits(_) => too_large(),
         error => broken(error),
-    })?;
-    let (width, height) = (picture.width(), picture.height());
+    };
+    let mut decoder = reader.into_decoder().map_err(refused)?;
+    let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
         return Err("the image has no pixels".to_string());
+    }
+    if decoder.total_bytes() > MAX_IMAGE_BYTES {
+        return Err(too_large());
+    }
+    // A decoder takes memory for the whole picture before it sees where the file ends.
+    if u64::from(width) * u64::from(height) > bytes.len() as u64 * MAX_PIXELS_OF_BYTE {
+        return Err(broken(format!("its {} bytes cannot hold {width}x{height} pixels", bytes.len())));
+    }
+    let is_color = format != ImageFormat::Hdr && texel_kind == TexelKind::Color;
+    if is_color {
+        note_colors(bytes, format, &mut decoder, left_out);
+    }
+    let picture = DynamicImage::from_decoder(decoder).map_err(refused)?;
+    if is_color && picture.color().has_alpha() && picture.pixels().any(|(_, _, pixel)| pixel[3] < u8::MAX) {
+        left_out.push("its transparency is left out".to_string());
+    }
+    // The decoder fills what is missing with grey.
+    let last = |marker: [u8; 2]| bytes.windows(2).rposition(|at| at == marker);
+    if format == ImageFormat::Jpeg && last([0xff, 0xd9]) < last([0xff, 0xda]) {
+        left_out.push("the file ends early: what is missing is grey".to_string());
     }
     let texels = match format {
         ImageFormat::Hdr => {
@@ -126,12 +149,7 @@ fn decode(
             let picture = picture.into_rgb32f();
             linear_texels(width, picture.pixels().map(|pixel| pixel.0).collect(), left_out)?
         }
-        _ => {
-            if texel_kind == TexelKind::Color {
-                note_colors(bytes, format, &picture, left_out);
-            }
-            display_texels(picture, texel_kind)
-        }
+        _ => display_texels(picture, texel_kind),
     };
     Ok((width, height, texels))
 }
@@ -147,11 +165,13 @@ fn note_header(bytes: &[u8], left_out: &mut Vec<String>) {
     }
 }
 
-/// What of a picture would change its colours: transparency, turning, and another meaning of its values.
-fn note_colors(bytes: &[u8], format: ImageFormat, picture: &DynamicImage, left_out: &mut Vec<String>) {
-    let has_alpha = picture.color().has_alpha();
-    let is_transparent = has_alpha && picture.to_rgba16().pixels().any(|pixel| pixel[3] < u16::MAX);
-    let Ok(mut decoder) = ImageReader::with_format(Cursor::new(bytes), format).into_decoder() else { return };
+/// What of a picture would change its colours: turning, and another meaning of its values.
+fn note_colors(
+    bytes: &[u8],
+    format: ImageFormat,
+    decoder: &mut impl ImageDecoder,
+    left_out: &mut Vec<String>,
+) {
     let is_turned = decoder.orientation().is_ok_and(|turn| turn != Orientation::NoTransforms);
     let profile = decoder.icc_profile().ok().flatten();
     // Profiles have names in ASCII or UTF-16.
@@ -167,7 +187,6 @@ fn note_colors(bytes: &[u8], format: ImageFormat, picture: &DynamicImage, left_o
             || srgb.is_none() && gamma.is_some_and(|gamma| (gamma.into_value() - 1.0 / 2.2).abs() > 0.01);
     }
     for (is_left_out, what) in [
-        (is_transparent, "its transparency is left out"),
         (is_turned, "its EXIF orientation is left out: turn the picture itself"),
         (is_other, "its colour profile, or gamma, is left out: it is read as sRGB"),
     ] {

@@ -42,7 +42,13 @@ pub(crate) fn render_row(
             let (counter, x) = (Counter::default(), part * MAX_PIXELS + at);
             let visible = context.visible.get(first + x / tile_size[0] as usize);
             let (rays, mut hits) = scratch.queue.queries(at..at + 1, Some(context.camera.position()));
-            context.primitives.count_single(&rays, &mut hits, visible, &mut scratch.tracer, &counter);
+            context.primitives.closest_one_by_one(
+                &rays,
+                &mut hits,
+                visible,
+                &mut scratch.tracer,
+                Some(&counter),
+            );
             *cost = counter.get().into();
         }
     }

@@ -11,6 +11,7 @@
 //!
 //! - [`fn@generate`] makes primary rays and finds what they hit.
 //! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here.
+//! - Hits next to edges of triangles are corrected (`silhouettes`).
 //! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on, so that packets
 //!   stay full. Where lights are sampled, it queues shadow rays. Where each hit has at most one texel, all
 //!   are read first.
@@ -44,6 +45,7 @@ mod radiance;
 mod scratch;
 mod shade;
 mod shadow_rays;
+mod silhouettes;
 pub mod stats;
 mod surface;
 mod tile_pixels;

@@ -14,6 +14,7 @@ use super::queue::IntColumn;
 use super::queue::{Path, PathQueue};
 use super::scratch::Scratch;
 use super::shadow_rays::sample_direct_light;
+use super::silhouettes::correct_hits;
 use super::surface::Surface;
 use crate::buffers::Features;
 use crate::lane::{Bits, Lane, Mask};
@@ -43,6 +44,9 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let values = scratch.values.bounce(bounce);
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     debug_assert!(to <= paths.start, "{to} lies in {paths:?}");
+    if has(N, Features::TRIANGLES) && context.buffers.near_edge > 0.0 {
+        correct_hits::<L, N, FIRST>(context, scratch, paths.clone());
+    }
     let (mut going_on, mut shadow_rays) = (0, 0);
     let columns = context.columns::<N>();
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();

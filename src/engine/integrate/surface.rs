@@ -33,6 +33,8 @@ pub struct Surface<L: Lane> {
     barycentric: (L, L),
     /// Of the triangle: first to second vertex, first to third.
     edges: [Vec3<L>; 2],
+    /// On triangles: the barycentric coordinate below which the point is moved away from an edge.
+    pub near_edge: L,
     /// The cosine at which the ray arrives; below 0 from behind `ng`.
     pub facing: L,
     /// Width of the ray cone at the hit; 0 unless paths carry cones.
@@ -66,6 +68,7 @@ impl<L: Lane> Surface<L> {
             turn: L::zero(),
             barycentric: (hit.u, hit.v),
             edges: [Vec3::zero(); 2],
+            near_edge: L::zero(),
             facing: L::zero(),
             cone_width: L::zero(),
             curvature: L::zero(),
@@ -133,7 +136,7 @@ impl<L: Lane> Surface<L> {
             (u, v) = (L::select(at_edge, moved.0, u), L::select(at_edge, moved.1, v));
         }
         let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
-        self.edges = [ab, ac];
+        (self.edges, self.near_edge) = ([ab, ac], near_edge);
         let keep = self.is_sphere;
         self.point = Vec3::select(keep, self.point, point);
         self.ng = Vec3::select(keep, self.ng, Vec3::new(nx, ny, nz));

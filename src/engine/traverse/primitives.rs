@@ -90,20 +90,20 @@ impl Primitives {
     }
 
     /// [`Primitives::closest`] of rays traced one by one: tests that rays share cannot be attributed to any.
-    pub fn count_single(
+    pub fn closest_one_by_one(
         &self,
         rays: &Rays,
         hits: &mut Hits,
         listed: Option<&PrimitiveList>,
         tracer: &mut Tracer,
-        counter: &Counter,
+        counter: Option<&Counter>,
     ) {
         match &self.all {
-            Structure::List(list) => list.trace::<f32>(rays, hits, listed, Some(counter)),
+            Structure::List(list) => list.trace::<f32>(rays, hits, listed, counter),
             Structure::Tree(tree, traversal) => {
                 let single = if *traversal == Traversal::Scalar { *traversal } else { Traversal::Single };
                 hits.reset(rays);
-                tracer.trace::<false>(single, tree, rays, hits, Some(counter));
+                tracer.trace::<false>(single, tree, rays, hits, counter);
             }
         }
     }

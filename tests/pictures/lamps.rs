@@ -74,7 +74,6 @@ fn lamps_that_are_bright_in_one_place_are_sampled_there() {
     let mut scene = floor(vec3(0.2, 0.0, -0.1), 1.0);
     let lamp = scene.materials.len() as u32;
     scene.materials.push(Material { texture: Some(0), ..emitter(Vec3::splat(50.0)) });
-    scene.textures = vec![spot(8, 8)];
     scene.uvs = vec![[Vec2::ZERO; 3]; scene.triangles.len()];
     for half in halves {
         let vertices = half.map(|corner| corners[corner]);
@@ -82,12 +81,17 @@ fn lamps_that_are_bright_in_one_place_are_sampled_there() {
         scene.uvs.push(vertices.map(|vertex| 0.5 * vec2(vertex.x, vertex.z) + 0.5));
     }
     scene.resolution = [32, 32];
-    let picture = |lanes| bits(&render(&scene, Settings { lanes, ..Settings::of(&scene) }, 4));
-    assert!(WIDTHS.iter().all(|&lanes| picture(lanes) == picture(1)), "widths differ");
-    let [(in_pieces, error), (whole, whole_error)] =
-        [LightChoice::Auto, LightChoice::Power].map(|lights| mean_of(&scene, lights, 64));
-    assert!((in_pieces - whole).abs() < 4.0 * error.hypot(whole_error), "{in_pieces} and {whole}");
-    assert!(error < 0.3 * whole_error, "{error} in pieces, {whole_error} of the whole");
+    // Down to one texel of 65,536, which lies between all points of a coarse grid.
+    for size in [8, 64, 256] {
+        scene.textures = vec![spot(size, size)];
+        let picture = |lanes| bits(&render(&scene, Settings { lanes, ..Settings::of(&scene) }, 4));
+        assert!(WIDTHS.iter().all(|&lanes| picture(lanes) == picture(1)), "widths differ");
+        let [(in_pieces, error), (whole, whole_error)] =
+            [LightChoice::Auto, LightChoice::Power].map(|lights| mean_of(&scene, lights, 64));
+        let apart = (in_pieces - whole).abs();
+        assert!(apart < 4.0 * error.hypot(whole_error), "{size}: {in_pieces} and {whole}");
+        assert!(error < 0.3 * whole_error, "{size}: {error} in pieces, {whole_error} of the whole");
+    }
 }
 
 fn means_agree(scenes: u64, samples: u32) {

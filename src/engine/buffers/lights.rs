@@ -3,7 +3,7 @@
 
 use super::environment_light::EnvironmentLight;
 use super::features::Features;
-use super::light_power::{has_texture, piece_shares, pieces, power_of, sky_power};
+use super::light_power::{Emitted, has_texture, pieces, sky_power};
 use super::overlaps;
 use super::quads;
 use super::rows::Rows;
@@ -119,7 +119,8 @@ impl Lights {
             return Self::default();
         }
         let all = choice == LightChoice::On;
-        let mut powers: Vec<f64> = (0..primitives).map(|number| power_of(scene, number, all)).collect();
+        let emitted = Emitted::by(scene);
+        let mut powers: Vec<f64> = (0..primitives).map(|number| emitted.power(number, all)).collect();
         let sky = EnvironmentLight::of(scene).filter(|sky| all || sky.contrast >= MIN_CONTRAST);
         powers.push(sky.as_ref().map_or(0.0, |sky| sky_power(scene, sky)));
         let total: f64 = powers.iter().sum();
@@ -134,7 +135,7 @@ impl Lights {
         while textured.len() * side * side > MAX_PIECES {
             side /= 2;
         }
-        let shares_of = |&number: &usize| Some((number, piece_shares(scene, number, side)?));
+        let shares_of = |&number: &usize| Some((number, emitted.piece_shares(number, side)?));
         let in_pieces: HashMap<usize, Vec<f64>> =
             if side > 1 { textured.iter().filter_map(shares_of).collect() } else { HashMap::new() };
         let whole = |triangle: usize| match in_pieces.get(&(quadrics + triangle)) {
@@ -153,7 +154,10 @@ impl Lights {
         for number in (0..=primitives).filter(|&number| light_powers[number] > 0.0) {
             let corner = halves.get(&number.wrapping_sub(quadrics)).map(|half| half.corner);
             let light = Light { number, power: light_powers[number], corner, piece: None };
-            if let Some(shares) = in_pieces.get(&number) {
+            // Triangles store the number of their first piece as a float.
+            if let Some(shares) = in_pieces.get(&number)
+                && lights.len() < 1 << f32::MANTISSA_DIGITS
+            {
                 first_pieces.insert(number, lights.len() as u32);
                 let of_piece =
                     |(share, piece)| Light { power: light.power * share, piece: Some(piece), ..light };

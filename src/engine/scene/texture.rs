@@ -19,17 +19,17 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// The sizes of its levels of detail after its own texels, down to one texel: each has half the columns
-    /// and rows of the one before, rounded down and at least 1. None but for [`Filter::Trilinear`].
+    /// The sizes of levels of detail after its own texels, down to one texel: each has half the columns and
+    /// rows of the one before, rounded down and at least 1.
     pub fn level_sizes(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
-        let own = (self.filter == Filter::Trilinear).then_some([self.width, self.height]);
         let halved = |size: &[u32; 2]| (*size != [1, 1]).then(|| size.map(|side| (side / 2).max(1)));
-        std::iter::successors(own, halved).skip(1)
+        std::iter::successors(Some([self.width, self.height]), halved).skip(1)
     }
     /// Memory of its texels, those of its levels of detail included: a third more, and twice the texels of a
     /// texture of one row.
     pub fn bytes(&self) -> usize {
-        let texels = self.level_sizes().map(|[width, height]| width as usize * height as usize);
+        let levels = self.level_sizes().filter(|_| self.filter == Filter::Trilinear);
+        let texels = levels.map(|[width, height]| width as usize * height as usize);
         self.texels.bytes() + texels.sum::<usize>() * self.texels.bytes_each()
     }
 }

@@ -39,7 +39,7 @@ fn folder_with(picture: &str) -> Folder {
 fn glass_in_glass_that_is_surely_a_mistake_is_a_warning() {
     let warnings = |outer: f64, inner: f64, color: f64, around: &str| {
         let text = format!(
-            r#""materials": {{ "a": {{ "type": "glass", "ior": {outer} }}, "c": {{ "type": "glass", "ior": 0.667 }},
+            r#""materials": {{ "a": {{ "type": "glass", "ior": {outer} }}, "c": {{ "type": "glass", "ior": 0.667 }}, "d": {{ "type": "diffuse" }},
                 "b": {{ "type": "glass", "ior": {inner}, "color": [{color}, 1, 1] }} }},
             "spheres": [ {{ "center": [0,0,0], "radius": 0.5, "material": "b" }}{around},
                 {{ "center": [0.25,0,0], "radius": 1, "material": "a" }} ]"#
@@ -52,12 +52,15 @@ fn glass_in_glass_that_is_surely_a_mistake_is_a_warning() {
         assert!(told.contains(&place) && told.contains("write `ior` 0.800 (1 / 1.25)"), "{told}");
     }
     let hollow = r#", { "center": [0,0,0], "radius": 0.7, "material": "c" }"#;
+    let opaque = r#", { "center": [0,0,0], "radius": 0.7, "material": "d" }"#;
     for (outer, inner, color, around) in [
         (1.5, 0.667, 1.0, ""),
         (1.5, 1.0, 0.5, ""),
         (1.5, 1.33, 1.0, ""),
         (0.8, 1.0, 1.0, ""),
         (1.5, 1.5, 1.0, hollow),
+        // Within a ball that is not seen through.
+        (1.5, 1.5, 1.0, opaque),
     ] {
         let told = warnings(outer, inner, color, around);
         assert!(told.is_empty(), "{outer}, {inner}: {told:?}");

@@ -120,7 +120,9 @@ fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
             let larger = outer.radius - sphere.radius;
             larger > 0.0 && outer.center.distance(sphere.center) <= larger
         };
-        let around = glass.iter().map(|&(_, outer)| outer).filter(is_around);
+        let is_in_glass = glass.iter().any(|(_, outer)| is_around(outer));
+        // Of any material: what is within an opaque sphere is not seen.
+        let around = scene.spheres.iter().filter(|outer| is_in_glass && is_around(outer));
         let around = around.min_by(|a, b| a.radius.total_cmp(&b.radius));
         let (Some(ior), Some(outer)) = (ior_of(sphere), around.and_then(ior_of)) else { continue };
         let material = &scene.materials[sphere.material as usize];

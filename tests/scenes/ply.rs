@@ -268,11 +268,11 @@ fn what_is_not_read_is_a_warning_with_its_place_and_the_rest_is_shown() {
     assert_eq!((warnings, area), (vec![left_out.to_string()], 0.5));
     let header = "comment TextureFile a b.png\nproperty list uchar int l\nelement edge 1\nproperty int a\n";
     let (warnings, area, _) = ascii(&format!("{header}{faces}"), &(square("2 7 7") + "5 4 0 1 2 3 2 0 1"));
-    let texture = "7: `TextureFile` is not read: name the texture in a scene file.";
+    let texture = "7: `TextureFile` is not read, as there are no texture coordinates.";
     let list = "8: the property `l` of `vertex` is not read.";
     let edge = "9: the element `edge` is not read.";
     let face = " face 1: a face is left out: a face needs at least three corners.";
-    assert_eq!((warnings, area), ([texture, list, edge, face].map(String::from).to_vec(), 1.0));
+    assert_eq!((warnings, area), ([list, edge, texture, face].map(String::from).to_vec(), 1.0));
     // Colours of faces, a concave polygon.
     let (warnings, area, scene) = ascii(
         "element face 1\nproperty list uchar int vertex_index\nproperty uchar red\nproperty uchar green\n\
@@ -286,4 +286,39 @@ fn what_is_not_read_is_a_warning_with_its_place_and_the_rest_is_shown() {
     let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
     let (warnings, area, scene) = ascii(strips, &(square("") + "9 0 1 3 2 -1 0 0 3 1"));
     assert_eq!((warnings.len(), area, scene.triangles.len()), (0, 1.5, 3), "{warnings:?}");
+}
+
+/// Scans name their images in comments, with texture coordinates of vertices or of the corners of faces.
+#[test]
+fn images_that_comments_name_are_textures() {
+    let folder = Folder::new();
+    for (name, color) in [("a b.png", [255, 0, 0]), ("c.png", [0, 0, 255])] {
+        image::RgbImage::from_pixel(1, 1, image::Rgb(color)).save(folder.path(name)).unwrap();
+    }
+    let read = |vertex: &str, face: &str, body: &str| {
+        let xyz = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+        let images = "comment TextureFile a b.png\ncomment TextureFile c.png\ncomment TextureFile d.png\n";
+        let face = format!("element face 4\nproperty list uchar int vertex_indices\n{face}");
+        let text = format!("ply\nformat ascii 1.0\n{images}{xyz}{vertex}{face}end_header\n{body}");
+        let scene = load(&folder.write("m.ply", text)).unwrap();
+        let texture = |material: u32| scene.materials[material as usize].texture;
+        let first = |texture: u32| scene.textures[texture as usize].texels.linear(0);
+        let colors: Vec<_> =
+            scene.triangles.iter().map(|triangle| texture(triangle.material).map(first)).collect();
+        (colors, scene.uvs, scene.warnings)
+    };
+    let [red, blue] = [Some([1.0, 0.0, 0.0]), Some([0.0, 0.0, 1.0])];
+    let uvs = [0.0, 1.0, 0.5].map(|v| Vec2::new(0.25, v));
+    let st = "property float texture_u\nproperty float texture_v\n";
+    let body = "0 0 0 0.25 0 1 0 0 0.25 1 0 1 0 0.25 0.5 ";
+    let (colors, found, warnings) = read(st, "", &(body.to_string() + &"3 0 1 2 ".repeat(4)));
+    assert_eq!((colors, found), (vec![red; 4], vec![uvs; 4]));
+    assert!(warnings.len() == 1 && warnings[0].contains("m.ply:5: the texture `d.png`"), "{warnings:?}");
+    let texcoord = "property list uchar float texcoord\nproperty int texnumber\n";
+    let corners = "6 0.25 0 0.25 1 0.25 0.5";
+    let faces = format!("3 0 1 2 {corners} 0 3 0 1 2 {corners} 1 3 0 1 2 0 -1 3 0 1 2 2 1 1 1");
+    let (colors, found, warnings) = read("", texcoord, &format!("0 0 0 1 0 0 0 1 0 {faces}"));
+    assert_eq!(colors, [red, blue, None, blue]);
+    assert_eq!(found[..2], [uvs; 2]);
+    assert!(warnings.iter().any(|warning| warning.contains("a `texcoord` that is not")), "{warnings:?}");
 }

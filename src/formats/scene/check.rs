@@ -38,10 +38,7 @@ pub fn is_near(point: DVec3) -> bool {
 /// How to mend a point that is not near.
 pub fn near(Coordinates { origin, unit }: &Coordinates) -> String {
     let most = MAX_COORDINATE * unit;
-    format!(
-        "single precision holds this scene up to {most:.1e} around {:?}: move it, or make it smaller",
-        origin.to_array()
-    )
+    format!("single precision holds this scene up to {most:.1e} around {origin}: move it, or make it smaller")
 }
 
 /// Whether the triangle, its vertices already rounded to f32, has an area that f32 can express.

@@ -9,7 +9,7 @@ use super::notes::Notes;
 use super::placement::Placement;
 use earcut::Earcut;
 use glam::{DVec3, Vec2, Vec3};
-use octray_engine::scene::{Material, MaterialKind};
+use octray_engine::scene::{Material, MaterialKind, TexelKind};
 use std::path::Path;
 
 /// The index of something missing.
@@ -31,6 +31,8 @@ pub struct Mesh {
     /// The corners of all faces, one face after the other.
     pub corners: Vec<Corner>,
     pub faces: Vec<Face>,
+    /// Images of the model's own materials, with the lines that name them.
+    pub images: Vec<(String, usize)>,
     /// What is left out of the file.
     pub notes: Notes,
 }
@@ -108,6 +110,16 @@ impl Mesh {
             return Err(std::mem::take(notes).refusal(none));
         }
         Ok(())
+    }
+
+    /// Adds a material of each image to the builder: the index of each, `None` where it cannot be read.
+    pub fn add_materials(&self, path: &Path, builder: &mut SceneBuilder) -> Vec<Option<u32>> {
+        let of_image = |image: &(String, usize)| {
+            let texture = Some(builder.find_texture(image, path, path, TexelKind::Color)?);
+            let material = Material::new(&image.0, MaterialKind::Diffuse, Vec3::ONE);
+            Some(builder.add_material(Material { texture, ..material }, 1.0))
+        };
+        self.images.iter().map(of_image).collect()
     }
 
     /// Adds the mesh's triangles to the builder, with `material` or else with its `own` materials and

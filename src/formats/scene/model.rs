@@ -52,6 +52,7 @@ impl Model {
         let (mesh, own) = match self {
             Self::Gltf(gltf) => return gltf.add(path, builder, material, placement),
             Self::Obj(obj) if material.is_none() => (&obj.mesh, obj.add_materials(path, builder)),
+            Self::Ply(mesh) if material.is_none() => (mesh, mesh.add_materials(path, builder)),
             Self::Obj(Obj { mesh, .. }) | Self::Ply(mesh) => (mesh, Vec::new()),
         };
         mesh.add(path, builder, material, &own, placement)

@@ -3,7 +3,8 @@
 //! For: [`parse`].
 //!
 //! Reads the elements `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v), `face` (a list
-//! `vertex_indices` or `vertex_index`, of any length; red, green, blue) and `tristrips`; others are noted.
+//! `vertex_indices` or `vertex_index`, of any length; a list `texcoord`, the number of an image, `texnumber`;
+//! red, green, blue), `tristrips`, and the images that comments `TextureFile` name; others are noted.
 //! Whole numbers as colours are display values (sRGB) over the largest of their type, real ones linear.
 //!
 //! No library is used: one (`ply-rs-bw`) needs a parser generator and makes a map of each element, the other
@@ -27,12 +28,13 @@ use std::path::Path;
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     let mut reader = Reader::new(path, bytes);
     let elements = reader.header()?;
-    let mut mesh = Mesh::default();
+    let mut mesh = Mesh { images: std::mem::take(&mut reader.images), ..Mesh::default() };
+    let mut uvs = Vec::new();
     for element in elements.iter().filter(|element| !element.properties.is_empty()) {
         reader.check_count(element)?;
         match element.name.as_str() {
             "vertex" => read_vertices(&mut mesh, &mut reader, element)?,
-            "face" | "tristrips" => read_faces(&mut mesh, &mut reader, element)?,
+            "face" | "tristrips" => read_faces(&mut mesh, &mut uvs, &mut reader, element)?,
             name => {
                 if element.count > 0 {
                     reader.notes.add(&element.line, format!("the element `{name}` is not read"));
@@ -46,6 +48,14 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     for corner in &mut mesh.corners {
         corner.uv |= if no_uvs { NONE } else { 0 };
         corner.normal |= if no_normals { NONE } else { 0 };
+    }
+    for (corner, uv) in uvs {
+        mesh.corners[corner].uv = mesh.uvs.len() as u32;
+        mesh.uvs.push(uv);
+    }
+    if let Some((_, line)) = mesh.images.first().filter(|_| mesh.uvs.is_empty()) {
+        reader.notes.add(line, "`TextureFile` is not read, as there are no texture coordinates");
+        mesh.images.clear();
     }
     let colored = mesh.faces.iter().position(|face| !face.color.is_nan());
     if let Some(face) = colored.filter(|_| !mesh.colors.is_empty()) {
@@ -62,6 +72,8 @@ struct Row<'a> {
     values: &'a [f64],
     /// The content of the list `vertex_indices`.
     corners: &'a [f64],
+    /// The content of the list `texcoord`: u and v of each corner.
+    uvs: &'a [f64],
 }
 
 /// Reads the rows of an element, and notes what `read` says of one.
@@ -71,18 +83,22 @@ fn each_row(
     mut read: impl FnMut(Row) -> Option<&'static str>,
 ) -> Result<(), SceneError> {
     let (mut values, mut corners) = (vec![0.0; element.properties.len()], Vec::new());
+    let mut uvs = Vec::new();
     for number in 0..element.count {
         corners.clear();
+        uvs.clear();
         for (value, property) in values.iter_mut().zip(&element.properties) {
             // Each number is read, so that a length beyond the file's end fails there.
             for _ in 0..reader.count(property)? {
                 *value = reader.number(property.scalar)?;
                 if property.is_corners() {
                     corners.push(*value);
+                } else if property.is_uvs() {
+                    uvs.push(*value);
                 }
             }
         }
-        if let Some(note) = read(Row { values: &values, corners: &corners }) {
+        if let Some(note) = read(Row { values: &values, corners: &corners, uvs: &uvs }) {
             reader.notes.add(&format!(" {} {number}", element.name), note);
         }
     }
@@ -101,7 +117,8 @@ fn columns<const N: usize>(
     };
     let found = groups.map(|group| group.iter().map(find).collect::<Option<Vec<usize>>>());
     for (at, property) in element.properties.iter().enumerate().filter(|_| element.count > 0) {
-        if !found.iter().flatten().flatten().any(|&used| used == at) && !property.is_corners() {
+        let is_list = property.is_corners() || property.is_uvs() && element.name == "face";
+        if !is_list && !found.iter().flatten().flatten().any(|&used| used == at) {
             let what = format!("the property `{}` of `{}` is not read", property.name, element.name);
             reader.notes.add(&property.line, what);
         }
@@ -128,20 +145,33 @@ fn read_vertices(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Res
         mesh.positions.push(three(&position));
         mesh.normals.extend(normal.as_deref().map(|at| three(at).normalize_or_zero().as_vec3()));
         mesh.colors.extend(color.as_deref().map(|at| linear(element, at, values)));
-        let or_zero = |at: usize| if fits(values[at]) { values[at] as f32 } else { 0.0 };
-        mesh.uvs.extend(uv.as_ref().map(|at| Vec2::new(or_zero(at[0]), or_zero(at[1]))));
+        mesh.uvs.extend(uv.as_ref().map(|at| finite([values[at[0]], values[at[1]]])));
         let mut further = [&normal, &color, &uv].into_iter().flatten().flatten();
         let is_broken = further.any(|&at| !fits(values[at]));
         is_broken.then_some("a normal, a colour or a texture coordinate that is no number is left out")
     })
 }
 
-/// The faces of a file, or the triangles of its strips.
-fn read_faces(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Result<(), SceneError> {
+/// Texture coordinates; 0 where they are no number.
+fn finite(uv: [f64; 2]) -> Vec2 {
+    uv.map(|x| if fits(x) { x as f32 } else { 0.0 }).into()
+}
+
+/// The faces of a file, or the triangles of its strips. `uvs` gets the texture coordinates of corners that
+/// have their own.
+fn read_faces(
+    mesh: &mut Mesh,
+    uvs: &mut Vec<(usize, Vec2)>,
+    reader: &mut Reader,
+    element: &Element,
+) -> Result<(), SceneError> {
     let is_strips = element.name == "tristrips";
-    let [color] = columns(reader, element, [COLOR]);
+    let [color, image] = columns(reader, element, [COLOR, &[&["texnumber"]]]);
     mesh.colors_line = color.as_ref().map_or(mesh.colors_line, |at| element.properties[at[0]].line);
-    each_row(reader, element, |Row { values, corners }| {
+    each_row(reader, element, |Row { values, corners, uvs: of_corners }| {
+        let first = mesh.corners.len();
+        let number = image.as_deref().map_or(0.0, |at| values[at[0]]);
+        let material = if number < 0.0 { NONE } else { number as u32 };
         let color = color.as_deref().map_or(Vec3::NAN, |at| linear(element, at, values));
         let mut push = |corners: &[f64]| {
             mesh.corners.extend(corners.iter().map(|&value| {
@@ -149,7 +179,7 @@ fn read_faces(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Result
                 let index = if is_vertex { value as u32 } else { NONE };
                 Corner { position: index, uv: index, normal: index }
             }));
-            mesh.faces.push(Face { end: mesh.corners.len(), material: 0, color });
+            mesh.faces.push(Face { end: mesh.corners.len(), material, color });
         };
         // A negative number ends a strip. Two equal corners turn it.
         for strip in corners.split(|&corner| is_strips && corner < 0.0).filter(|_| is_strips) {
@@ -163,6 +193,12 @@ fn read_faces(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Result
         if !is_strips && element.properties.iter().any(Property::is_corners) {
             push(corners);
         }
+        let pairs = of_corners.as_chunks().0;
+        if mesh.corners.len() - first != pairs.len() {
+            return (!pairs.is_empty())
+                .then_some("a `texcoord` that is not u and v of each corner is left out");
+        }
+        uvs.extend(pairs.iter().enumerate().map(|(corner, &uv)| (first + corner, finite(uv))));
         None
     })
 }

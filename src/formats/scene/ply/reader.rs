@@ -42,6 +42,10 @@ impl Property {
     pub fn is_corners(&self) -> bool {
         self.list.is_some() && ["vertex_indices", "vertex_index"].contains(&self.name.as_str())
     }
+    /// Whether it lists the texture coordinates of a face's corners.
+    pub fn is_uvs(&self) -> bool {
+        self.list.is_some() && self.name == "texcoord"
+    }
 }
 
 pub struct Element {
@@ -58,13 +62,16 @@ pub struct Reader<'a> {
     encoding: Encoding,
     at: usize,
     line: usize,
+    /// The image files that the header names, with their lines.
+    pub images: Vec<(String, usize)>,
     /// What is left out.
     pub notes: Notes,
 }
 
 impl<'a> Reader<'a> {
     pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
-        Self { path, bytes, encoding: Encoding::Ascii, at: 0, line: 0, notes: Notes::default() }
+        let (images, notes) = (Vec::new(), Notes::default());
+        Self { path, bytes, encoding: Encoding::Ascii, at: 0, line: 0, images, notes }
     }
     pub fn fault(&self, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
         SceneError::new(what)
@@ -169,9 +176,9 @@ impl<'a> Reader<'a> {
                     });
                 }
                 ["end_header"] => break,
-                ["comment", "TextureFile", ..] => {
-                    let line = self.line;
-                    self.notes.add(&line, "`TextureFile` is not read: name the texture in a scene file");
+                ["comment", "TextureFile", _, ..] => {
+                    let name = line.split_once("TextureFile").map_or("", |(_, name)| name.trim());
+                    self.images.push((name.to_string(), self.line));
                 }
                 ["comment" | "obj_info", ..] | [] => {}
                 _ => return Err(self.fault(format!("`{line}` does not belong into a header"), MEND)),

@@ -41,14 +41,14 @@ pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
     for at in paths.clone().step_by(L::WIDTH) {
         let hit: Hit<L> = scratch.queue.hit(at);
         let on_triangle = hit.found() & !hit.primitive.less(first_triangle) & L::Mask::first(paths.end - at);
-        let near = on_triangle & hit.u.min(hit.v).min(L::one() - hit.u - hit.v).lt(most);
+        let least = hit.u.min(hit.v).min(L::one() - hit.u - hit.v);
+        let near = on_triangle & least.lt(most);
         if !near.any() {
             continue;
         }
         let path = context.path::<L, N, FIRST>(&scratch.queue, at);
         let surface = Surface::of::<TRIANGLES>(context, &path, &hit, near);
-        let at_edge =
-            near & hit.u.min(hit.v).min(L::one() - hit.u - hit.v).lt(surface.near_edge * L::splat(SHARE));
+        let at_edge = near & least.lt(surface.near_edge * L::splat(SHARE));
         let start = surface.ng.flip_sign(surface.facing).mul_add(surface.offset, surface.point);
         for lane in at_edge.lanes() {
             let ends = [path.ray.origin.get(lane), start.get(lane)];

@@ -81,8 +81,14 @@ fn lamps_that_are_bright_in_one_place_are_sampled_there() {
         scene.uvs.push(vertices.map(|vertex| 0.5 * vec2(vertex.x, vertex.z) + 0.5));
     }
     scene.resolution = [32, 32];
-    // Down to one texel of 65,536, which lies between all points of a coarse grid.
-    for size in [8, 64, 256] {
+    // Down to one texel of 65,536, which lies between all points of a coarse grid, also where the texture is
+    // turned.
+    let turned = scene.uvs.clone().into_iter().map(|uvs| uvs.map(|uv| vec2(uv.x + uv.y, uv.y - uv.x)));
+    let turned: Vec<_> = turned.collect();
+    for size in [8, 64, 256, 250] {
+        if size == 250 {
+            scene.uvs.clone_from(&turned);
+        }
         scene.textures = vec![spot(size, size)];
         let picture = |lanes| bits(&render(&scene, Settings { lanes, ..Settings::of(&scene) }, 4));
         assert!(WIDTHS.iter().all(|&lanes| picture(lanes) == picture(1)), "widths differ");

@@ -151,7 +151,7 @@ fn images_larger_than_their_file_accounts_for_are_refused() {
     let mut jpeg = include_bytes!("../../fuzz/seeds/images/a.jpg").to_vec();
     let frame = jpeg.windows(2).position(|marker| marker == [0xff, 0xc0]).unwrap();
     jpeg[frame + 5..][..4].copy_from_slice(&[0x41, 0x54, 0x49, 0x44]);
-    image_refused(&jpeg, &format!("its {} bytes cannot hold 18756x16724 pixels", jpeg.len()));
+    image_refused(&jpeg, &format!("its {} bytes are too few for 18756x16724 pixels", jpeg.len()));
 }
 
 #[test]

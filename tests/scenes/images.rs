@@ -102,9 +102,16 @@ fn a_jpeg_that_ends_early_is_said_to() {
     let mut jpeg = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
     let jpeg = jpeg.into_inner();
-    for (kept, what) in [(jpeg.len(), ""), (jpeg.len() - 20, "ends early")] {
-        folder.write("p.jpg", &jpeg[..kept]);
+    let (cut, what) = (&jpeg[..jpeg.len() - 20], "its end is missing");
+    // Behind the picture may come another one, cut or not, or anything.
+    let behind: [&[u8]; 4] = [&[], &[0xff, 0xda, 1], &[0xff, 0xd8, 0xff, 0xd9], cut];
+    for (file, behind, what) in behind
+        .map(|behind| (&jpeg[..], behind, ""))
+        .into_iter()
+        .chain([(cut, &[][..], what), (&jpeg[..jpeg.len() - 2], &[], what)])
+    {
+        folder.write("p.jpg", [file, behind].concat());
         let (_, said) = seen(&folder, "p.jpg").unwrap();
-        assert!(said.contains(what) && said.is_empty() == what.is_empty(), "{kept}: {said}");
+        assert!(said.contains(what) && said.is_empty() == what.is_empty(), "{behind:?}: {said}");
     }
 }

@@ -4,7 +4,7 @@ use super::environment_light::EnvironmentLight;
 use super::mip_chain::halve;
 use crate::math::portable;
 use crate::scene::{Filter, Material, MaterialKind, Primitive, Scene, Sphere, Texture};
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 
@@ -17,9 +17,12 @@ pub(super) struct Emitted<'a> {
 
 impl<'a> Emitted<'a> {
     pub(super) fn by(scene: &'a Scene) -> Self {
-        let used = scene.materials.iter().filter_map(emission_texture);
+        let used: HashSet<u32> = scene.all_primitives().map(|primitive| primitive.material()).collect();
+        let materials = used.into_iter().map(|material| &scene.materials[material as usize]);
+        let emitters = materials.filter(|material| material.emission != Vec3::ZERO);
+        let used: HashSet<u32> = emitters.filter_map(emission_texture).collect();
         let means = |index| (index, BlockMeans::of(&scene.textures[index as usize]));
-        Self { scene, textures: used.collect::<HashSet<_>>().into_iter().map(means).collect() }
+        Self { scene, textures: used.into_iter().map(means).collect() }
     }
 
     /// The power that a primitive emits; 0 of a sphere around the camera, unless `surrounding` ones count.
@@ -36,7 +39,6 @@ impl<'a> Emitted<'a> {
         let Some(texture) = self.texture(material) else {
             return f64::from(material.emission.element_sum()) / 3.0;
         };
-        let cells = grid(GRID);
         let (mut mean, mut weights) = (DVec3::ZERO, 0.0);
         let mut add = |weight: f64, texel: DVec3| {
             mean += weight * texel;
@@ -46,14 +48,14 @@ impl<'a> Emitted<'a> {
             Primitive::Triangle(_) => {
                 let triangle = number - self.scene.first_triangle();
                 let Some(uvs) = self.scene.uvs.get(triangle) else { return 0.0 };
-                let level = texture.level(sides(uvs), GRID);
-                cells.map(inside).for_each(|at| add(1.0, texture.mean(level, blend(uvs, at))));
+                let (level, counts) = texture.points(sides(uvs), GRID);
+                grid(counts).map(inside).for_each(|at| add(1.0, texture.mean(level, blend(uvs, at))));
             }
             _ => {
-                let level = texture.level([DVec2::X, DVec2::Y], GRID);
+                let (level, counts) = texture.points([DVec2::X, DVec2::Y], GRID);
                 // By the circumferences of its circles of latitude.
                 let circle = |at: DVec2| portable::sin_cos(f64::from(PI) * at.y).0;
-                cells.for_each(|at| add(circle(at), texture.mean(level, at)));
+                grid(counts).for_each(|at| add(circle(at), texture.mean(level, at)));
             }
         }
         (material.emission.as_dvec3() * mean).element_sum() / (3.0 * weights)
@@ -65,17 +67,17 @@ impl<'a> Emitted<'a> {
         let uvs = self.scene.uvs.get(number.checked_sub(self.scene.first_triangle())?)?;
         let material = &self.scene.materials[self.scene.primitive(number).material() as usize];
         let (texture, emission) = (self.texture(material)?, material.emission.as_dvec3());
-        let level = texture.level(sides(uvs), side * PIECE_GRID);
+        if texture.texture.filter == Filter::Trilinear {
+            return None;
+        }
+        let (level, counts) = texture.points(sides(uvs).map(|whole| whole / side as f64), PIECE_GRID);
         let lookup = |uv| match texture.texture.filter {
             Filter::Bilinear if level == 0 => texture.bilinear(uv),
             _ => texture.mean(level, uv),
         };
-        if texture.texture.filter == Filter::Trilinear {
-            return None;
-        }
         let radiance = |[column, row]: [usize; 2]| {
             let corner = DVec2::new(column as f64, row as f64);
-            let points = grid(PIECE_GRID).map(|at| if column + row + 1 == side { inside(at) } else { at });
+            let points = grid(counts).map(|at| if column + row + 1 == side { inside(at) } else { at });
             let texels = points.map(|at| lookup(blend(uvs, (corner + at) / side as f64)));
             texels.map(|texel| texel.dot(emission)).sum::<f64>()
         };
@@ -93,7 +95,7 @@ impl<'a> Emitted<'a> {
     }
 
     fn texture(&self, material: &Material) -> Option<&BlockMeans<'a>> {
-        emission_texture(material).map(|index| &self.textures[&index])
+        emission_texture(material).and_then(|index| self.textures.get(&index))
     }
 }
 
@@ -124,13 +126,15 @@ pub(super) fn has_texture(scene: &Scene, number: usize) -> bool {
     }
 }
 
-/// Points along each side of a grid over a primitive at which its texture is read.
+/// Points along each side of a grid over a primitive at which its texture is read, and how many times as many
+/// along a side that has more texels.
 const GRID: usize = 16;
+const MOST_FINER: f64 = 64.0;
 
-/// The centres of the cells of a grid over the unit square.
-fn grid(side: usize) -> impl Iterator<Item = DVec2> {
-    let center = move |cell| DVec2::new((cell % side) as f64 + 0.5, (cell / side) as f64 + 0.5);
-    (0..side * side).map(move |cell| center(cell) / side as f64)
+/// The centres of the cells of a grid of columns and rows over the unit square.
+fn grid([columns, rows]: [usize; 2]) -> impl Iterator<Item = DVec2> {
+    let center = move |cell| DVec2::new((cell % columns) as f64 + 0.5, (cell / columns) as f64 + 0.5);
+    (0..columns * rows).map(move |cell| center(cell) / DVec2::new(columns as f64, rows as f64))
 }
 
 /// A point of the unit square in its lower triangle.
@@ -159,7 +163,7 @@ struct BlockMeans<'a> {
 impl<'a> BlockMeans<'a> {
     fn of(texture: &'a Texture) -> Self {
         let mut levels: Vec<([u32; 2], Vec<[f32; 3]>)> = Vec::new();
-        for size in texture.level_sizes() {
+        for size in texture.halved_sizes() {
             let means = match levels.last() {
                 None => halve([texture.width, texture.height], size, |at| texture.texels.linear(at)),
                 Some((before, means)) => halve(*before, size, |at| means[at].map(f64::from)),
@@ -169,12 +173,17 @@ impl<'a> BlockMeans<'a> {
         Self { texture, levels }
     }
 
-    /// The level whose blocks are as large as the steps between `count` points along each of these sides.
-    fn level(&self, sides: [DVec2; 2], count: usize) -> usize {
+    /// How to read a parallelogram of texture coordinates with these sides: the level whose blocks lie as
+    /// close as the points, and how many points there are along each side, `count` or more along the longer.
+    fn points(&self, sides: [DVec2; 2], count: usize) -> (usize, [usize; 2]) {
         let size = DVec2::new(f64::from(self.texture.width), f64::from(self.texture.height));
-        let step = sides.map(|side| (side.abs() * size).max_element() / count as f64);
-        let blocks = (step[0].max(step[1]).ceil() as u32).clamp(1, 1 << 16).next_power_of_two();
-        (blocks.ilog2() as usize).min(self.levels.len())
+        let texels = sides.map(|side| side.abs() * size / count as f64);
+        let steps = texels.map(|texels| texels.max_element());
+        let finer = steps[0].min(steps[1]).max(1.0);
+        let more = steps.map(|step| (step / finer).ceil().clamp(1.0, MOST_FINER));
+        let step = (texels[0] / more[0] + texels[1] / more[1]).max_element();
+        let block = (step.ceil() as u32).clamp(1, 1 << 16).next_power_of_two();
+        ((block.ilog2() as usize).min(self.levels.len()), more.map(|more| count * more as usize))
     }
 
     /// The mean of the block around texture coordinates; on level 0 the texel.

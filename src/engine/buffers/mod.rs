@@ -43,9 +43,8 @@ pub struct Buffers {
     /// Two rows of eight a triangle: a, ab, offset, material and [`Lights::diagonals`] (bits, see
     /// [`DIAGONAL_SHIFT`]); ac, unit normal, probability of being chosen as a light, [`surface::near_edge`].
     pub triangle_rows: Rows,
-    /// The largest [`surface::near_edge`] of a triangle; 0 where all triangles are parallel, so that none
-    /// hides another at an edge.
-    pub near_edge: f32,
+    /// Whether all triangles are parallel: then none hides another that it shares an edge with.
+    pub are_parallel: bool,
     /// One row of eight a triangle: u and v of the three vertices, v downwards, and
     /// [`surface::texture_density`]; empty without texture coordinates.
     pub uv_rows: Rows,
@@ -149,11 +148,10 @@ impl Buffers {
         let quadrics = scene.all_primitives().take(scene.first_triangle()).enumerate();
         let triangles = scene.triangles.iter().enumerate();
         let diagonal = |number: usize| lights.diagonals.get(number).copied().unwrap_or(0);
-        let (mut near_edge, mut first_normal, mut are_parallel) = (0.0_f32, None, true);
+        let (mut first_normal, mut are_parallel) = (None, true);
         let triangle_rows = Rows::new(triangles.flat_map(|(number, triangle)| {
             let number_of_all = scene.first_triangle() + number;
             let rows = triangle_rows(triangle, probability(number_of_all), diagonal(number));
-            near_edge = near_edge.max(rows[1][7]);
             let n = Vec3::new(rows[1][3], rows[1][4], rows[1][5]);
             are_parallel &= *first_normal.get_or_insert(n) == n || first_normal == Some(-n);
             rows
@@ -162,7 +160,7 @@ impl Buffers {
             needs: Features::of(scene).with(lights.needs()),
             first_triangle: scene.first_triangle() as u32,
             quadric_rows: Rows::new(quadrics.map(|(number, one)| one.quadric_row(probability(number)))),
-            near_edge: if are_parallel { 0.0 } else { near_edge },
+            are_parallel,
             triangle_rows,
             uv_rows: Rows::new(scene.triangles.iter().zip(&scene.uvs).map(uv_row)),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),

@@ -44,9 +44,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     let values = scratch.values.bounce(bounce);
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     debug_assert!(to <= paths.start, "{to} lies in {paths:?}");
-    if has(N, Features::TRIANGLES) && context.buffers.near_edge > 0.0 {
-        correct_hits::<L, N, FIRST>(context, scratch, paths.clone());
-    }
+    correct_triangles::<L, N, FIRST>(context, scratch, paths);
     let (mut going_on, mut shadow_rays) = (0, 0);
     let columns = context.columns::<N>();
     let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
@@ -111,6 +109,7 @@ pub fn shade_last<L: Lane, const N: u32, const FIRST: bool>(
         // Without emitters, what was hit adds nothing.
         0..0
     };
+    correct_triangles::<L, N, FIRST>(context, scratch, &paths);
     if reads_texels_first(N) {
         texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
@@ -127,6 +126,18 @@ pub fn shade_last<L: Lane, const N: u32, const FIRST: bool>(
         accumulator.add(scratch, at, carries_radiance::<L, N>(active, found, radiance), &path, radiance);
     }
     accumulator.finish(scratch);
+}
+
+/// [`correct_hits`] where triangles may hide each other at edges.
+#[inline(always)]
+fn correct_triangles<L: Lane, const N: u32, const FIRST: bool>(
+    context: &TraceContext,
+    scratch: &mut Scratch,
+    paths: &Range<usize>,
+) {
+    if has(N, Features::TRIANGLES) && !context.buffers.are_parallel {
+        correct_hits::<L, N, FIRST>(context, scratch, paths.clone());
+    }
 }
 
 /// The materials of the packet at `at`.

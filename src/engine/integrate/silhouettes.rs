@@ -4,30 +4,27 @@
 
 use super::context::TraceContext;
 use super::scratch::Scratch;
-use super::surface::Surface;
-use crate::buffers::Features;
+use crate::kernel::surface::inset;
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{Hit, MISS};
+use crate::math::{EPSILON, Hit, MISS, Vec3};
 use crate::traverse::Tracer;
 use crate::traverse::rays::{Hits, Rays};
 use std::ops::Range;
 
-/// What a triangle's place takes.
-const TRIANGLES: u32 = Features::TRIANGLES.with(Features::MANY_TRIANGLES).0;
-
-/// The share of [`crate::kernel::surface::near_edge`] within which hits are looked at: two offsets from an
-/// edge, where rounding moves a hit by half of one.
+/// The share of [`crate::kernel::surface::near_edge`] within which hits are looked at, by the error of a hit
+/// instead of the offset: two of those from an edge, where rounding moves a hit by half of one.
 const SHARE: f32 = 0.25;
-/// The largest barycentric coordinate at which hits are looked at. One packet of sixteen in twenty has such a
-/// hit by chance. Only triangles smaller than a 2,000th of their largest coordinates would need more.
+/// The largest barycentric weight at which hits are looked at: one packet of sixteen in twenty has such a hit
+/// by chance. Only triangles smaller than a 2,000th of their coordinates, or of a ray's length, would need
+/// more.
 const MOST: f32 = 1.0 / 1024.0;
 
 /// Corrects hits next to edges that rays pass within rounding, where two triangles meet and one hides the
 /// other: both are at one distance there, and the far one, met from behind, may come first. A path that went
 /// on from it would be inside what the edge belongs to, outside of a room.
 ///
-/// From where the ray began, the point that the path goes on from must be in sight; what is before it is hit
-/// instead.
+/// From where the ray began, a point a little inside the triangle and before it must be in sight; what is
+/// before that point is hit instead. Such looks are not counted as rays.
 ///
 /// `FIRST`: the queue holds primary rays.
 #[inline(never)]
@@ -37,24 +34,35 @@ pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
     paths: Range<usize>,
 ) {
     let first_triangle = L::Bits::splat(context.buffers.first_triangle);
-    let most = L::splat((context.buffers.near_edge * SHARE).min(MOST));
     for at in paths.clone().step_by(L::WIDTH) {
         let hit: Hit<L> = scratch.queue.hit(at);
         let on_triangle = hit.found() & !hit.primitive.less(first_triangle) & L::Mask::first(paths.end - at);
-        let least = hit.u.min(hit.v).min(L::one() - hit.u - hit.v);
-        let near = on_triangle & least.lt(most);
+        let near = on_triangle & hit.least_weight().lt(L::splat(MOST));
         if !near.any() {
             continue;
         }
-        let path = context.path::<L, N, FIRST>(&scratch.queue, at);
-        let surface = Surface::of::<TRIANGLES>(context, &path, &hit, near);
-        let at_edge = near & least.lt(surface.near_edge * L::splat(SHARE));
-        let start = surface.ng.flip_sign(surface.facing).mul_add(surface.offset, surface.point);
+        let ray = context.path::<L, N, FIRST>(&scratch.queue, at).ray;
+        let triangle = L::Bits::select(near, hit.primitive, first_triangle);
+        let first =
+            triangle.wrapping_add(L::Bits::splat(context.buffers.first_triangle.wrapping_neg())).shl(1);
+        let rows = &context.buffers.triangle_rows;
+        let [ax, ay, az, abx, aby, abz, offset, _] = rows.fetch::<L>(first, false);
+        let [acx, acy, acz, nx, ny, nz, _, near_edge] = rows.fetch::<L>(first | L::Bits::splat(1), false);
+        // As `triangle_offset`, of a ray that comes from far away.
+        let error = L::splat(16.0 * EPSILON).mul_add(hit.t, offset);
+        let at_edge = near & (hit.least_weight() * offset).lt(near_edge * L::splat(SHARE) * error);
+        if !at_edge.any() {
+            continue;
+        }
+        let (ab, ac, n) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz), Vec3::new(nx, ny, nz));
+        let (u, v) = inset((hit.u, hit.v), [ab, ac], error);
+        let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
+        let before = n.flip_sign(-ray.direction.dot(n)).mul_add(error, point);
         for lane in at_edge.lanes() {
-            let ends = [path.ray.origin.get(lane), start.get(lane)];
-            let before = first_between(context, &mut scratch.tracer, ends);
-            if before.primitive != MISS {
-                scratch.queue.other_hits().set(at + lane, &before);
+            let ends = [ray.origin.get(lane), before.get(lane)];
+            let nearer = first_between(context, &mut scratch.tracer, ends);
+            if nearer.primitive != MISS {
+                scratch.queue.other_hits().set(at + lane, &nearer);
             }
         }
     }

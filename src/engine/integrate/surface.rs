@@ -33,8 +33,6 @@ pub struct Surface<L: Lane> {
     barycentric: (L, L),
     /// Of the triangle: first to second vertex, first to third.
     edges: [Vec3<L>; 2],
-    /// On triangles: the barycentric coordinate below which the point is moved away from an edge.
-    pub near_edge: L,
     /// The cosine at which the ray arrives; below 0 from behind `ng`.
     pub facing: L,
     /// Width of the ray cone at the hit; 0 unless paths carry cones.
@@ -68,7 +66,6 @@ impl<L: Lane> Surface<L> {
             turn: L::zero(),
             barycentric: (hit.u, hit.v),
             edges: [Vec3::zero(); 2],
-            near_edge: L::zero(),
             facing: L::zero(),
             cone_width: L::zero(),
             curvature: L::zero(),
@@ -130,13 +127,13 @@ impl<L: Lane> Surface<L> {
             context.buffers.triangle_rows.fetch::<L>(second, fits_registers);
         let (mut u, mut v) = self.barycentric;
         let (ab, ac) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz));
-        let at_edge = u.min(v).min(L::one() - u - v).lt(near_edge);
+        let at_edge = hit.least_weight().lt(near_edge);
         if at_edge.any() {
             let moved = inset((u, v), [ab, ac], offset);
             (u, v) = (L::select(at_edge, moved.0, u), L::select(at_edge, moved.1, v));
         }
         let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
-        (self.edges, self.near_edge) = ([ab, ac], near_edge);
+        self.edges = [ab, ac];
         let keep = self.is_sphere;
         self.point = Vec3::select(keep, self.point, point);
         self.ng = Vec3::select(keep, self.ng, Vec3::new(nx, ny, nz));

@@ -58,6 +58,11 @@ impl<L: Lane> Hit<L> {
     pub fn found(&self) -> L::Mask {
         !self.primitive.equals(L::Bits::splat(MISS))
     }
+    /// The least of a triangle's three barycentric weights: how near the hit is to an edge.
+    #[inline(always)]
+    pub fn least_weight(&self) -> L {
+        self.u.min(self.v).min(L::one() - self.u - self.v)
+    }
     /// Takes the hits of another in the lanes of `mask`.
     #[inline(always)]
     pub fn replace(&mut self, mask: L::Mask, other: &Self) {

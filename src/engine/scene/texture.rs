@@ -19,17 +19,21 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// The sizes of levels of detail after its own texels, down to one texel: each has half the columns and
-    /// rows of the one before, rounded down and at least 1.
+    /// The sizes of its levels of detail after its own texels: [`Texture::halved_sizes`]. None but for
+    /// [`Filter::Trilinear`].
     pub fn level_sizes(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let has_levels = self.filter == Filter::Trilinear;
+        self.halved_sizes().take_while(move |_| has_levels)
+    }
+    /// Half its columns and rows, rounded down and at least 1, half of those, and so on, down to one texel.
+    pub fn halved_sizes(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let halved = |size: &[u32; 2]| (*size != [1, 1]).then(|| size.map(|side| (side / 2).max(1)));
         std::iter::successors(Some([self.width, self.height]), halved).skip(1)
     }
     /// Memory of its texels, those of its levels of detail included: a third more, and twice the texels of a
     /// texture of one row.
     pub fn bytes(&self) -> usize {
-        let levels = self.level_sizes().filter(|_| self.filter == Filter::Trilinear);
-        let texels = levels.map(|[width, height]| width as usize * height as usize);
+        let texels = self.level_sizes().map(|[width, height]| width as usize * height as usize);
         self.texels.bytes() + texels.sum::<usize>() * self.texels.bytes_each()
     }
 }

@@ -89,7 +89,8 @@ impl Primitives {
         }
     }
 
-    /// [`Primitives::closest`] of rays traced one by one: tests that rays share cannot be attributed to any.
+    /// [`Primitives::closest`] of rays traced one by one: to count each ray's tests, or of so few rays that
+    /// nothing is shared.
     pub fn closest_one_by_one(
         &self,
         rays: &Rays,

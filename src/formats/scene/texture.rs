@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 pub const MAX_IMAGE_SIDE: u32 = u16::MAX as u32;
 /// Most bytes that an image file may be decoded to.
 pub const MAX_IMAGE_BYTES: u64 = 2 << 30;
-/// Most pixels that a byte of a file holds: a PNG of one bit a pixel, which Deflate shrinks to 1 in 1,032.
+/// Most pixels that a byte of a file may stand for: those of a PNG of one bit a pixel, which Deflate shrinks
+/// to 1 in 1,032. Only a BMP that leaves out nearly all of its pixels has more.
 const MAX_PIXELS_OF_BYTE: u64 = 8 * 1_032;
 /// Most bytes that the textures of a scene may take, levels of detail included: four of a texel with 8 bits a
 /// channel, sixteen of others.
@@ -128,7 +129,7 @@ fn decode(
     }
     // A decoder takes memory for the whole picture before it sees where the file ends.
     if u64::from(width) * u64::from(height) > bytes.len() as u64 * MAX_PIXELS_OF_BYTE {
-        return Err(broken(format!("its {} bytes cannot hold {width}x{height} pixels", bytes.len())));
+        return Err(format!("its {} bytes are too few for {width}x{height} pixels", bytes.len()));
     }
     let is_color = format != ImageFormat::Hdr && texel_kind == TexelKind::Color;
     if is_color {
@@ -138,10 +139,8 @@ fn decode(
     if is_color && picture.color().has_alpha() && picture.pixels().any(|(_, _, pixel)| pixel[3] < u8::MAX) {
         left_out.push("its transparency is left out".to_string());
     }
-    // The decoder fills what is missing with grey.
-    let last = |marker: [u8; 2]| bytes.windows(2).rposition(|at| at == marker);
-    if format == ImageFormat::Jpeg && last([0xff, 0xd9]) < last([0xff, 0xda]) {
-        left_out.push("the file ends early: what is missing is grey".to_string());
+    if format == ImageFormat::Jpeg && !has_end(bytes) {
+        left_out.push("its end is missing: the last rows may be wrong".to_string());
     }
     let texels = match format {
         ImageFormat::Hdr => {
@@ -152,6 +151,26 @@ fn decode(
         _ => display_texels(picture, texel_kind),
     };
     Ok((width, height, texels))
+}
+
+/// Whether a JPEG file has the marker that ends its first picture; others may follow. The decoder makes up
+/// what is missing.
+fn has_end(jpeg: &[u8]) -> bool {
+    const START: u8 = 0xd8;
+    const END: u8 = 0xd9;
+    let mut rest = jpeg;
+    while let Some(at) = rest.windows(2).position(|at| at[0] == 0xff && !matches!(at[1], 0 | 0xff)) {
+        let segment = &rest[at + 2..];
+        rest = match rest[at + 1] {
+            END => return true,
+            START | 0xd0..=0xd7 => segment,
+            _ => {
+                let length = segment.first_chunk().map_or(2, |&length| u16::from_be_bytes(length));
+                segment.get(usize::from(length)..).unwrap_or_default()
+            }
+        };
+    }
+    false
 }
 
 /// What of a Radiance file's header would change its colours.

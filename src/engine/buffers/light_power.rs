@@ -129,7 +129,7 @@ pub(super) fn has_texture(scene: &Scene, number: usize) -> bool {
 /// Points along each side of a grid over a primitive at which its texture is read, and how many times as many
 /// along a side that has more texels.
 const GRID: usize = 16;
-const MOST_FINER: f64 = 64.0;
+const MOST_FINER: f64 = 16.0;
 
 /// The centres of the cells of a grid of columns and rows over the unit square.
 fn grid([columns, rows]: [usize; 2]) -> impl Iterator<Item = DVec2> {

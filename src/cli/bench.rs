@@ -9,7 +9,7 @@ use super::scenes;
 use super::terminal::{self, Printer};
 use crate::lane::WIDTHS;
 use crate::machine;
-use crate::measure::bench::{Effort, Engine, bench};
+use crate::measure::bench::{Configuration, Effort, Engine, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
 use crate::render::{LaneChoice, Renderer, Settings};
 use crate::report::baseline::Baseline;
@@ -42,6 +42,9 @@ const MAX_FRAMES: u32 = 1_000_000;
 /// was not measured. differing: pixels in which any width differs from scalar in any bit. wrong hits: primary
 /// hits that are wrong by the reference. Both should be 0, or the exit code is 1. rmse: root mean square
 /// error of a frame without next event estimation against the reference on the same random numbers.
+///
+/// A ? marks a figure that is not reliable: other programs took more than 5 % of the time of the measuring
+/// threads in the median turn, or it has fewer than 50 frames or 3 rounds.
 ///
 /// Then ratios: medians of alternating rounds, and in brackets from 10 to 90 % of them. speed-up: over
 /// scalar. scaling: all cores over one thread. specialisation: the pipeline compiled for the features of the
@@ -100,7 +103,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
             out.text(&heading(&report, &defaults))?;
         }
         let effort = options.frames.map_or(Effort::Time(PER_SCENE), Effort::Frames);
-        let results = bench(&scene, settings, &options.engines(), effort, options.stats);
+        let configuration = Configuration { settings, engines: options.engines() };
+        let results = bench(&scene, &[configuration], effort, options.stats).concat();
         let accuracy = compare(&scene, settings, 1, false);
         failed |= accuracy.failed(settings.methods);
         let row = row(&results, &accuracy);

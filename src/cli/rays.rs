@@ -41,7 +41,7 @@ const MAX_RAYS: u32 = 1 << 23;
 /// and on all cores, the median, and in brackets from 10 to 90 % of the passes. × scalar: over one scalar ray
 /// at a time, whose speed stands above the rows of its kind, on as many threads; the median of the passes.
 /// differ: rays whose hit is not that of one scalar ray at a time; it should be 0, or the exit code is 1. A
-/// warning tells where other programs took the processor.
+/// figure with a ? is not reliable: other programs took the processor, or the passes are too few.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Examples:
   octray rays bunny.obj

@@ -14,6 +14,7 @@
 //! | [`mod@reference`] | path tracing in f64, one ray and one primitive at a time; shares no equation with the engine |
 //! | [`measure::quantiles`] | medians, quantiles, spreads; rounds of a measurement |
 //! | `measure::errors`, [`measure::flip`] | image metrics: RMSE, relative MSE, FLIP |
+//! | [`measure::cores`] | pinned threads, and what other programs took of their time |
 //! | [`measure::timed`] | renderers timed in alternating rounds, ratios of their speeds |
 //! | [`measure::ray_sets`], [`measure::trace`] | prepared rays; the traversals that trace them, on one thread or many |
 //! | [`measure::stats`] | time by stage, rays by kind, tests per ray |

@@ -8,6 +8,7 @@ use super::settings::RunSettings;
 use super::text::{if_doubtful, paragraph, row};
 use crate::machine::Machine;
 use crate::measure::bench::Engine;
+use crate::measure::timed::Ratio;
 use serde::Deserialize;
 
 /// What is read of a report.
@@ -119,8 +120,15 @@ impl Baseline {
                     scene: scene.scene.clone(),
                     lanes: new.lanes,
                     threads: new.threads,
-                    median: new.fps_median / old.fps_median,
-                    spread: [new.fps_spread[0] / old.fps_spread[1], new.fps_spread[1] / old.fps_spread[0]],
+                    ratio: Ratio {
+                        median: new.fps_median / old.fps_median,
+                        spread: [
+                            new.fps_spread[0] / old.fps_spread[1],
+                            new.fps_spread[1] / old.fps_spread[0],
+                        ],
+                        rounds: 1,
+                        reliability: new.reliability,
+                    },
                 }));
             }
         }
@@ -138,7 +146,7 @@ impl Baseline {
         );
         let rows = ratios.iter().map(|one| {
             let engine = engine_name(one.lanes, one.threads);
-            row(&[-24, -24, 24], [one.scene.clone(), engine, ratio(one.median, one.spread)])
+            row(&[-24, -24, 24], [one.scene.clone(), engine, ratio(one.ratio)])
         });
         format!("\n{}{}", paragraph(&meaning), rows.collect::<String>())
     }

@@ -2,11 +2,10 @@
 //!
 //! For: [`Report`].
 
-use super::numbers::{figure, ratio};
+use super::numbers::{figure, mark, ratio};
 use super::settings::{RunSettings, json, own_sizes, traversals};
 use super::stats::{self, engine};
 use super::text::{self, paragraph};
-use crate::camera::MAX_PIXELS;
 use crate::checkpoint::Fingerprint;
 use crate::lane::WIDTHS;
 use crate::measure::bench::{FEWEST_FRAMES, Measurement};
@@ -16,15 +15,6 @@ use crate::render::Settings;
 use crate::scene::Scene;
 use crate::wording::{counted, grouped};
 use serde::{Deserialize, Serialize};
-
-/// A 1 % low below this share of the median means that other programs took the processor; so do the slow
-/// rounds of a speed-up beside the fast ones.
-pub const BUSY: f64 = 0.6;
-
-/// Where all cores are less than so many times as fast as one, they are not to be had.
-const LEAST_SCALING: f64 = 1.2;
-/// Fewest tiles of a thread for which it can be kept busy.
-const TILES_A_THREAD: usize = 8;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -95,10 +85,10 @@ pub struct OverBaseline {
     pub lanes: usize,
     /// Worker threads.
     pub threads: usize,
-    /// Of the median frames; above 1 where the new one is faster.
-    pub median: f64,
-    /// From the slow tenth of the new frames over the fast tenth of the old ones, to the reverse.
-    pub spread: [f64; 2],
+    /// Of the median frames; above 1 where the new one is faster. The spread is from the slow tenth of the
+    /// new frames over the fast tenth of the old ones, to the reverse.
+    #[serde(flatten)]
+    pub ratio: Ratio,
 }
 
 impl Report {
@@ -161,7 +151,8 @@ pub fn row(results: &[Measurement], accuracy: &Comparison) -> String {
     let all = results.iter().skip(1).find(|result| result.threads > first.threads);
     let fps = |result: Option<&Measurement>| {
         result.map_or(NOTHING.into(), |result| {
-            format!("{} ({})", rate(result.fps_median), rate(result.fps_low_1_percent))
+            let [median, low] = [result.fps_median, result.fps_low_1_percent].map(rate);
+            format!("{median}{} ({low})", mark(result.reliability))
         })
     };
     let cells = std::iter::once(first.scene.clone())
@@ -203,7 +194,7 @@ pub fn ratios(report: &Report) -> String {
     for of_scene in report.engines() {
         let ratios = RATIOS.map(|(.., of)| of_scene.iter().find_map(of));
         if ratios.iter().any(Option::is_some) {
-            let cell = |of: Option<Ratio>| of.map_or(NOTHING.into(), |of| ratio(of.median, of.spread));
+            let cell = |of: Option<Ratio>| of.map_or(NOTHING.into(), ratio);
             rows += &row(&of_scene[0].scene, ratios.map(cell));
         }
     }
@@ -215,20 +206,17 @@ pub fn ratios(report: &Report) -> String {
     format!("\n{}\n{}{rows}", paragraph(&meanings), row("scene", RATIOS.map(|(name, ..)| name.into())))
 }
 
-/// Why the figures are not reliable, in a few words and as a warning: the machine is busy, by the 1 % low or
-/// by what other cores add; else a scene has fewer frames than [`FEWEST_FRAMES`]: its 1 % low is the slowest
-/// frame, which proves nothing.
+/// Why the figures are not reliable, in a few words and as a warning: the machine is busy, or a scene has
+/// fewer frames than [`FEWEST_FRAMES`].
 pub fn doubt(results: &[Measurement]) -> Option<(&'static str, String)> {
-    let busy = busy(results).map(|warning| ("on a busy machine", warning));
-    let taken = || cores_are_taken(results).map(|warning| ("where other cores are taken", warning));
-    busy.or_else(taken).or_else(|| {
+    let figures = results.iter().map(|Measurement { scene, lanes, threads, reliability, .. }| {
+        (*reliability, format!("{scene} ({})", engine_name(*lanes, *threads)))
+    });
+    text::busy(figures).map(|warning| ("on a busy machine", warning)).or_else(|| {
         let few = results.iter().find(|result| result.frames < FEWEST_FRAMES)?;
-        let warning = format!(
-            "{} was timed for {}, too few to tell whether other programs took the processor: give --frames \
-             {FEWEST_FRAMES} or more.",
-            few.scene,
-            counted(few.frames, "frame", "frames")
-        );
+        let (scene, frames) = (&few.scene, counted(few.frames, "frame", "frames"));
+        let warning =
+            format!("{scene} was timed for {frames}, too few: give --frames {FEWEST_FRAMES} or more.");
         Some(("of too few frames", warning))
     })
 }
@@ -238,35 +226,6 @@ fn unreliable(report: &Report) -> String {
     let debug = cfg!(debug_assertions).then_some("of a debug build");
     let why = debug.or_else(|| doubt(&report.results).map(|(why, _)| why));
     why.map(|why| format!(", {why}: not reliable")).unwrap_or_default()
-}
-
-/// Names the engine with the lowest 1 % low, where that is below `BUSY` of its median.
-fn busy(results: &[Measurement]) -> Option<String> {
-    let timed = results.iter().filter(|result| result.frames >= FEWEST_FRAMES);
-    let shares = timed.map(|Measurement { scene, lanes, threads, fps_low_1_percent, fps_median, .. }| {
-        let engine = engine_name(*lanes, *threads);
-        let share = fps_low_1_percent / fps_median;
-        let percent = 100.0 * share;
-        (share, format!("the 1 % low of {scene} ({engine}) is {percent:.0} % of its median"))
-    });
-    text::busy(shares, BUSY)
-}
-
-/// Names the scene that gains least from all cores, where that is less than [`LEAST_SCALING`] and there are
-/// tiles for all.
-fn cores_are_taken(results: &[Measurement]) -> Option<String> {
-    let has_tiles = |result: &&Measurement| {
-        let tiles = result.width as usize * result.height as usize / MAX_PIXELS;
-        tiles >= TILES_A_THREAD * result.threads
-    };
-    let scaled = results.iter().filter(has_tiles).filter_map(|result| Some((result, result.scaling?.median)));
-    let (least, scaling) =
-        scaled.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|least| least.1 < LEAST_SCALING)?;
-    Some(format!(
-        "{} was only {scaling:.2} times as fast on all cores as on one: other programs took the others, or they \
-         are threads of one core.",
-        least.scene
-    ))
 }
 
 /// A width and a number of threads in words.
@@ -351,9 +310,14 @@ pub fn meaning(report: &Report, own: &[String]) -> String {
 mod tests {
     use super::*;
     use crate::measure::compare::ReferenceCheck;
+    use crate::measure::cores::Reliability;
     use crate::traverse::Methods;
 
-    fn result(scene: &str, frames: usize, low: f64) -> Measurement {
+    fn reliability(taken: f64) -> Reliability {
+        Reliability { reliable: taken <= 0.05, pinned: true, taken: Some(taken) }
+    }
+
+    fn result(scene: &str, frames: usize, taken: f64) -> Measurement {
         Measurement {
             scene: scene.into(),
             width: 240,
@@ -364,22 +328,29 @@ mod tests {
             threads: 2,
             frames,
             fps_median: 100.0,
-            fps_low_1_percent: low,
-            fps_spread: [low, 100.0],
+            fps_low_1_percent: 10.0,
+            fps_spread: [10.0, 100.0],
             mrays_per_s: 1.0,
             rays_per_frame: 1e4,
+            reliability: reliability(taken),
             speedup: None,
             scaling: None,
             needs: Vec::new(),
             traversal: "linear",
             pipeline: "auto",
             specialisation: None,
+            over_second: None,
             stats: None,
         }
     }
 
     fn times(median: f64) -> Option<Ratio> {
-        Some(Ratio { median, spread: [median - 0.25, median + 0.5], rounds: 5 })
+        Some(Ratio {
+            median,
+            spread: [median - 0.25, median + 0.5],
+            rounds: 5,
+            reliability: reliability(0.0),
+        })
     }
 
     fn equal_pictures() -> Comparison {
@@ -401,8 +372,8 @@ mod tests {
     fn ratios_stand_below_their_names_in_a_row_for_each_scene() {
         // Two engines of two scenes that have one name.
         let engines = |speedup, scaling| {
-            let first = Measurement { speedup, specialisation: times(1.5), ..result("same", 99, 90.0) };
-            [first, Measurement { scaling, threads: 4, ..result("same", 99, 90.0) }]
+            let first = Measurement { speedup, specialisation: times(1.5), ..result("same", 99, 0.0) };
+            [first, Measurement { scaling, threads: 4, ..result("same", 99, 0.0) }]
         };
         let mut report = Report {
             results: [engines(times(7.0), times(2.0)), engines(times(6.0), None)].concat(),
@@ -420,7 +391,7 @@ mod tests {
         let expected =
             "Speed-up: 8 lanes are 6.0 to 7.0 times as fast as scalar (10 to 90 % of the rounds: 5.8 to 7.5)";
         assert!(told(&report).starts_with(expected), "{}", told(&report));
-        report.results[0].fps_low_1_percent = 10.0;
+        report.results[0].reliability = reliability(0.1);
         let why = if cfg!(debug_assertions) { "of a debug build" } else { "on a busy machine" };
         let why = format!(", {why}: not reliable");
         assert!(told(&report).ends_with(&format!("{why}. ")), "{}", told(&report));
@@ -429,7 +400,7 @@ mod tests {
             summary.contains(&format!("same 100 fps (6.0 × scalar){why}; 8 lanes, 2 threads;")),
             "{summary}"
         );
-        report.results.iter_mut().for_each(|result| *result = self::result("same", 99, 90.0));
+        report.results.iter_mut().for_each(|result| *result = self::result("same", 99, 0.0));
         assert_eq!(ratios(&report), "");
     }
 
@@ -443,7 +414,7 @@ mod tests {
             lanes,
             threads,
             fps_median,
-            ..result("scene", 99, 10.0)
+            ..result("scene", 99, 0.0)
         };
         let engines = [engine(8, 1, 12_345.0), engine(1, 1, 40.0), engine(8, 2, 1_386_600.0)];
         let row = row(&engines, &equal_pictures());
@@ -454,26 +425,15 @@ mod tests {
     }
 
     #[test]
-    fn warning_names_a_scene_that_gains_nothing_from_all_cores() {
-        let scaled = |scene, scaling| Measurement { scaling, ..result(scene, 99, 90.0) };
-        assert_eq!(doubt(&[scaled("two", times(1.9)), scaled("one", None)]), None);
-        let (_, sentence) = doubt(&[scaled("two", times(1.9)), scaled("taken", times(0.98))]).unwrap();
-        assert!(sentence.starts_with("taken was only 0.98 times as fast on all cores"), "{sentence}");
-        let small = Measurement { width: 16, height: 16, ..scaled("small", times(0.98)) };
-        assert_eq!(doubt(&[small]), None, "a tile has one thread");
-    }
-
-    #[test]
-    fn warning_names_the_engine_with_the_lowest_share_or_a_scene_of_few_frames() {
-        let few = result("few", FEWEST_FRAMES - 1, 1.0);
-        assert_eq!(doubt(&[result("calm", 99, 61.0)]), None);
-        let (_, sentence) = doubt(&[few.clone(), result("calm", 99, 61.0)]).unwrap();
+    fn warning_names_the_figure_that_others_took_most_of_or_a_scene_of_few_frames() {
+        let calm = result("calm", 99, 0.05);
+        assert_eq!(doubt(&[calm.clone()]), None);
+        let (_, sentence) = doubt(&[calm.clone(), result("few", FEWEST_FRAMES - 1, 0.0)]).unwrap();
         assert!(sentence.starts_with("few was timed for 49 frames, too few"), "{sentence}");
-        let (_, sentence) = doubt(&[result("one", 1, 100.0)]).unwrap();
-        assert!(sentence.starts_with("one was timed for 1 frame, too few"), "{sentence}");
-        let (_, sentence) = doubt(&[few, result("bad", 99, 50.0), result("worse", 99, 40.0)]).unwrap();
+        let busy = [result("bad", 9, 0.1), result("worse", 99, 0.4), calm];
+        let (_, sentence) = doubt(&busy).unwrap();
         assert!(
-            sentence.contains("busy") && sentence.contains("worse (8 lanes, 2 threads) is 40 %"),
+            sentence.contains("busy") && sentence.contains("40 % of the time of worse (8 lanes, 2"),
             "{sentence}"
         );
     }

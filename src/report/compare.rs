@@ -2,17 +2,14 @@
 //!
 //! For: [`Report`], [`HashReport`].
 
-use super::bench::BUSY;
 use super::numbers::ratio;
 use super::settings::{RunSettings, traversals};
 use super::text;
 use crate::lane::FUSED;
 use crate::measure::compare::Comparison;
+use crate::measure::timed::FEWEST_ROUNDS;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
-
-/// Fewest rounds from which a speed-up is reported.
-const FEWEST_ROUNDS: usize = 3;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -80,7 +77,7 @@ pub fn row(result: &Comparison) -> String {
         grouped(pixels),
         grouped(samples),
         grouped(mismatched_pixels),
-        speedup.map_or("–".into(), |speedup| ratio(speedup.median, speedup.spread)),
+        speedup.map_or("–".into(), ratio),
         format!("{:.2e}", reference.rmse),
         format!("{:.2e}", reference.max_abs),
         grouped(reference.mismatched_hits),
@@ -105,13 +102,9 @@ pub fn row(result: &Comparison) -> String {
     row
 }
 
-/// The warning of a busy machine, by the scene whose rounds differ most.
+/// The warning of a busy machine.
 pub fn doubt(results: &[Comparison]) -> Option<String> {
-    let shares = results.iter().filter_map(|result| {
-        let [least, most] = result.speedup?.spread;
-        Some((least / most, format!("speed-ups of {} are from {least:.1} to {most:.1}", result.scene)))
-    });
-    text::busy(shares, BUSY)
+    text::busy(results.iter().filter_map(|result| Some((result.speedup?.reliability, result.scene.clone()))))
 }
 
 /// The table in words.

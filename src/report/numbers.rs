@@ -1,7 +1,9 @@
 //! Numbers as text, in one style for all reports.
 //!
-//! For: [`figure`], [`bytes`], [`percent`], [`ratio`], [`times`], [`mrays_per_s`].
+//! For: [`figure`], [`bytes`], [`percent`], [`mark`], [`ratio`], [`times`], [`mrays_per_s`].
 
+use crate::measure::cores::Reliability;
+use crate::measure::timed::Ratio;
 use crate::wording::grouped;
 use std::time::Duration;
 
@@ -41,9 +43,14 @@ pub fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// A ratio, and in brackets its spread.
-pub fn ratio(median: f64, [low, high]: [f64; 2]) -> String {
-    format!("{median:.2}× ({low:.2}–{high:.2})")
+/// Stands behind a figure that is not reliable.
+pub fn mark(figure: Reliability) -> &'static str {
+    if figure.reliable { "" } else { "?" }
+}
+
+/// A ratio, marked where it is not reliable, and in brackets its spread.
+pub fn ratio(Ratio { median, spread: [low, high], reliability, .. }: Ratio) -> String {
+    format!("{median:.2}×{} ({low:.2}–{high:.2})", mark(reliability))
 }
 
 /// A ratio with two digits, or three just around 1; nothing where it is not finite.

@@ -2,20 +2,15 @@
 //!
 //! For: [`Report`].
 
-use super::numbers::{bytes, figure, times};
+use super::numbers::{bytes, figure, mark, times};
 use super::settings::RunSettings;
 use super::text::{busy, row};
 use crate::bvh::check::Statistics;
-use crate::measure::rays::{BuildTime, FEWEST_PASSES, Measurement};
+use crate::measure::rays::{BuildTime, Measurement};
 use crate::measure::stats::RayStats;
 use crate::traverse::Traversal;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
-
-/// Where a tenth of the passes is slower than this share of the median, other programs took the processor.
-const BUSY: f64 = 0.75;
-/// Seconds of a pass below which a short interruption looks like a slow pass.
-const SHORTEST_PASS: f64 = 1e-3;
 
 /// The traversal with which the others are compared.
 const SCALAR: &str = Traversal::Scalar.name();
@@ -119,7 +114,7 @@ pub fn rows(results: &[Measurement]) -> String {
     let of_traversal = |traversal| results.iter().filter(move |result| result.traversal == traversal);
     let rate = |result: &Measurement| {
         let [low, high] = result.mrays_per_s_spread;
-        format!("{:.2} ({low:.2}–{high:.2})", result.mrays_per_s)
+        format!("{:.2}{} ({low:.2}–{high:.2})", result.mrays_per_s, mark(result.reliability))
     };
     let (kind, rays, hits) = (first.kind.name(), grouped(first.rays), grouped(first.hits));
     let mut text = format!("{kind}: {rays} rays, {hits} hits");
@@ -140,24 +135,12 @@ pub fn rows(results: &[Measurement]) -> String {
     text
 }
 
-/// Names the row whose slow passes are slowest beside its median, where they are below `BUSY` of it. Rows of
-/// fewer than [`FEWEST_PASSES`] passes, or of passes that take less than a millisecond, prove nothing.
+/// The warning of a busy machine.
 pub fn warning(results: &[Measurement]) -> Option<String> {
-    let seconds = |result: &Measurement| result.rays as f64 / (1e6 * result.mrays_per_s);
-    let timed = results
-        .iter()
-        .filter(|result| result.passes >= FEWEST_PASSES && seconds(result) >= SHORTEST_PASS)
-        .filter(|result| result.mrays_per_s > 0.0);
-    let shares = timed.map(|Measurement { kind, traversal, threads, mrays_per_s, mrays_per_s_spread, .. }| {
-        let (kind, threads) = (kind.name(), counted(threads, "thread", "threads"));
-        let share = mrays_per_s_spread[0] / mrays_per_s;
-        let evidence = format!(
-            "a tenth of the passes of {kind} rays, {traversal}, {threads}, have {:.0} % of the median's speed or less",
-            100.0 * share
-        );
-        (share, evidence)
-    });
-    busy(shares, BUSY)
+    busy(results.iter().map(|Measurement { kind, traversal, threads, reliability, .. }| {
+        let threads = counted(threads, "thread", "threads");
+        (*reliability, format!("{} rays, {traversal}, {threads}", kind.name()))
+    }))
 }
 
 /// The table in words.
@@ -183,34 +166,4 @@ pub fn meaning(report: &Report) -> String {
         lines.push("Every traversal finds the hits of one scalar ray at a time, bit by bit.".into());
     }
     format!("\n{}\n", lines.join("\n"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::measure::ray_sets::Kind;
-
-    #[test]
-    fn slow_passes_tell_of_a_busy_machine() {
-        let of = |rays, traversal, passes, slow| Measurement {
-            kind: Kind::Diffuse,
-            traversal,
-            lanes: 8,
-            threads: 2,
-            rays,
-            hits: 0,
-            mrays_per_s: 10.0,
-            mrays_per_s_spread: [slow, 11.0],
-            over_scalar: None,
-            passes,
-            disagreements: 0,
-            first_disagreement: None,
-        };
-        let result = |traversal, passes, slow| of(10_000, traversal, passes, slow);
-        let calm = result("stream", 50, 7.6);
-        let short = of(9_999, "scalar", 50, 1.0);
-        assert_eq!(warning(&[calm.clone(), result("packet", 9, 1.0), short]), None);
-        let sentence = warning(&[calm, result("single", 50, 7.0), result("hybrid", 10, 6.0)]).unwrap();
-        assert!(sentence.contains("diffuse rays, hybrid, 2 threads, have 60 %"), "{sentence}");
-    }
 }

@@ -2,6 +2,9 @@
 //!
 //! For: [`paragraph`], [`item`], [`row`], [`busy`], [`if_doubtful`].
 
+use super::numbers::percent;
+use crate::measure::cores::Reliability;
+use std::cmp::Ordering;
 use textwrap::{Options, WordSplitter};
 
 /// Columns of a line, as of help that is piped.
@@ -37,12 +40,15 @@ pub fn row(widths: &[isize], cells: impl IntoIterator<Item = impl AsRef<str>>) -
     row + "\n"
 }
 
-/// The warning that other programs took the processor while something was timed: of the least share, the
-/// speed of slow parts over that of the median, its evidence, where the share is below `bound`.
-pub fn busy(shares: impl Iterator<Item = (f64, String)>, bound: f64) -> Option<String> {
-    let (_, evidence) = shares.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < bound)?;
+/// The warning that other programs took the processor while something was timed; it names the figure from
+/// which they took most.
+pub fn busy(figures: impl Iterator<Item = (Reliability, String)>) -> Option<String> {
+    let busy = figures.filter(|(figure, _)| figure.is_busy());
+    let (Reliability { taken, .. }, name) =
+        busy.max_by(|a, b| a.0.taken.partial_cmp(&b.0.taken).unwrap_or(Ordering::Equal))?;
+    let taken = percent(taken.unwrap_or_default());
     Some(format!(
-        "the machine is busy: {evidence}; end other programs and measure again: ratios are wrong, too."
+        "the machine is busy: other programs took {taken} of the time of {name}; end them and measure again."
     ))
 }
 

@@ -2,9 +2,10 @@
 //!
 //! For: [`bench()`].
 
+use super::cores::Reliability;
 use super::quantiles::Quantiles;
 use super::stats::FrameStats;
-use super::timed::{Ratio, TimedRenderer};
+use super::timed::{Ratio, TimedRenderer, Times};
 use crate::buffers::Features;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::scene::Scene;
@@ -18,6 +19,15 @@ pub struct Engine {
     pub lanes: usize,
     /// Worker threads.
     pub threads: usize,
+}
+
+/// Settings, which hold for all but lanes and threads, and the engines that are timed with them.
+#[derive(Clone, Debug)]
+pub struct Configuration {
+    /// Of the frames.
+    pub settings: Settings,
+    /// The first one is compared with others.
+    pub engines: Vec<Engine>,
 }
 
 /// How long to measure.
@@ -60,8 +70,11 @@ pub struct Measurement {
     pub mrays_per_s: f64,
     /// Mean over the frames, of all kinds of rays.
     pub rays_per_frame: f64,
-    /// The speed-up: speed over that of the scalar engine on as many threads. Of the first engine only;
-    /// `None` where scalar is not timed.
+    /// How far these figures can be relied on.
+    #[serde(flatten)]
+    pub reliability: Reliability,
+    /// The speed-up: speed over that of the scalar engine on as many threads; `None` where that is not timed,
+    /// and for itself.
     pub speedup: Option<Ratio>,
     /// Speed over that of the first engine of the same width, which has fewer threads; `None` for that
     /// engine.
@@ -75,6 +88,9 @@ pub struct Measurement {
     /// Speed over that of the general pipeline at the same width and threads. Of the first engine only;
     /// `None` where the scene uses every feature.
     pub specialisation: Option<Ratio>,
+    /// Speed over that of the second configuration, if there is one: of its engine at the same place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over_second: Option<Ratio>,
     /// Of further frames that are not timed; on request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<FrameStats>,
@@ -92,57 +108,75 @@ const FEWEST_TURNS: usize = 5;
 /// Time in which the slowest engine renders frames for [`FrameStats`].
 const STATS_TIME: Duration = Duration::from_millis(250);
 const MOST_STATS_FRAMES: f64 = 1_000.0;
+/// In place of the number of a configuration: the first one's first engine with the general pipeline.
+const GENERAL: usize = usize::MAX;
 /// Measuring with few frames ends after this many times the measuring time.
 const PATIENCE: u32 = 10;
 
-/// Times the engines on a scene in alternating rounds, after a warm-up. `settings` holds for all but lanes
-/// and threads. With `stats`, each engine then renders further frames that are not timed.
+/// Times the engines of one or two configurations on a scene, after a warm-up, in rounds of which every other
+/// is in reverse order: A B B A. An engine of the first configuration is followed by that of the second at
+/// the same place. With `stats`, each engine then renders further frames that are not timed. Returns the
+/// measurements by configuration.
 pub fn bench(
     scene: &Scene,
-    settings: Settings,
-    engines: &[Engine],
+    configurations: &[Configuration],
     effort: Effort,
     stats: bool,
-) -> Vec<Measurement> {
-    let of = |&Engine { lanes, threads }: &Engine, pipeline| {
+) -> Vec<Vec<Measurement>> {
+    let of = |settings: Settings, Engine { lanes, threads }: Engine, pipeline| {
         TimedRenderer::new(Renderer::new(scene, Settings { lanes, threads, pipeline, ..settings }))
     };
-    let mut runs: Vec<TimedRenderer> = engines.iter().map(|engine| of(engine, settings.pipeline)).collect();
+    let places = configurations.iter().map(|one| one.engines.len()).max().unwrap_or(0);
+    // With the number of the configuration.
+    let mut runs = Vec::new();
+    for place in 0..places {
+        for (number, Configuration { settings, engines }) in configurations.iter().enumerate() {
+            let engine = engines.get(place);
+            runs.extend(engine.map(|&engine| (number, of(*settings, engine, settings.pipeline))));
+        }
+    }
     // The first engine once more with the general pipeline, if the scene's own is another.
-    let is_special = runs.first().is_some_and(|first| first.renderer.features() != Features::ALL);
-    let mut general = is_special.then(|| of(&engines[0], PipelineChoice::General));
+    let is_special = runs.first().is_some_and(|(_, first)| first.renderer.features() != Features::ALL);
+    if let Some(Configuration { settings, engines }) = configurations.first().filter(|_| is_special) {
+        runs.push((GENERAL, of(*settings, engines[0], PipelineChoice::General)));
+    }
+    let mut order: Vec<usize> = (0..runs.len()).collect();
     let start = Instant::now();
-    let enough = |run: &TimedRenderer| match effort {
-        Effort::Frames(frames) => run.seconds.len() >= frames as usize,
+    let enough = |times: &Times| match effort {
+        Effort::Frames(frames) => times.seconds.len() >= frames as usize,
         Effort::Time(time) => {
-            let (frames, passed) = (run.seconds.len(), start.elapsed());
+            let (frames, passed) = (times.seconds.len(), start.elapsed());
             (frames >= FEWEST_FRAMES && passed >= time)
                 || (frames >= FEWEST_SLOW_FRAMES && passed >= time * PATIENCE)
         }
     };
-    while !runs.iter().all(&enough) {
-        for run in runs.iter_mut().chain(&mut general) {
+    while !runs.iter().all(|(_, run)| enough(&run.times)) {
+        for &at in &order {
+            let run = &mut runs[at].1;
             let left = match effort {
                 Effort::Frames(frames) => {
-                    let (frames, done) = (frames as usize, run.seconds.len());
+                    let (frames, done) = (frames as usize, run.times.seconds.len());
                     frames.saturating_sub(done).min((frames / FEWEST_TURNS).max(1))
                 }
                 Effort::Time(_) => usize::MAX,
             };
             run.turn(left, TURN);
         }
+        order.reverse();
     }
     // The same frames for all engines, so that they trace the same rays.
-    let median = |run: &TimedRenderer| Quantiles::of(run.seconds.clone()).median();
-    let slowest = runs.iter().map(median).fold(0.0, f64::max);
+    let median = |run: &TimedRenderer| Quantiles::of(run.times.seconds.clone()).median();
+    let slowest = runs.iter().map(|(_, run)| median(run)).fold(0.0, f64::max);
     let frames = (STATS_TIME.as_secs_f64() / slowest).clamp(1.0, MOST_STATS_FRAMES) as u32;
-    // Taken by the first run.
-    let mut general = general.as_ref();
-    let of_run = |run| {
-        let stats = stats.then(|| frame_stats(run, frames));
-        measurement(scene, run, &runs, general.take(), stats)
+    let of_number = |number| runs.iter().filter(move |run| run.0 == number).map(|(_, run)| run);
+    let times = |number| of_number(number).map(|run| &run.times).collect::<Vec<_>>();
+    let measured = |(number, Configuration { engines, .. }): (usize, &Configuration)| {
+        let general = times(GENERAL).first().copied().filter(|_| number == 0);
+        let ratios = ratios(engines, &times(number), general, &times(number + 1));
+        let of_run = |(run, ratios)| measurement(scene, run, ratios, stats.then(|| frame_stats(run, frames)));
+        of_number(number).zip(ratios).map(of_run).collect()
     };
-    runs.iter().map(of_run).collect()
+    configurations.iter().enumerate().map(measured).collect()
 }
 
 /// Statistics of the picture's first `frames` frames, rendered anew.
@@ -158,23 +192,43 @@ fn frame_stats(TimedRenderer { renderer, .. }: &TimedRenderer, frames: u32) -> F
     FrameStats::of(&renderer.take_stats(), lanes, threads, film.samples())
 }
 
+/// What an engine's speed is divided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Ratios {
+    speedup: Option<Ratio>,
+    scaling: Option<Ratio>,
+    specialisation: Option<Ratio>,
+    over_second: Option<Ratio>,
+}
+
+/// The ratios of the engines of a configuration, each with its times. `general` are those of the first engine
+/// with the general pipeline, `second` those of the second configuration by place.
+fn ratios(engines: &[Engine], times: &[&Times], general: Option<&Times>, second: &[&Times]) -> Vec<Ratios> {
+    let ratios = |(place, &Engine { lanes, threads }): (usize, &Engine)| {
+        let over = |wanted: &dyn Fn(&Engine) -> bool| {
+            engines.iter().position(wanted).and_then(|other| Ratio::of(times[place], times[other]))
+        };
+        Ratios {
+            speedup: over(&|other| lanes != 1 && (other.lanes, other.threads) == (1, threads)),
+            scaling: over(&|other| other.lanes == lanes && other.threads < threads),
+            specialisation: general.filter(|_| place == 0).and_then(|general| Ratio::of(times[0], general)),
+            over_second: second.get(place).and_then(|second| Ratio::of(times[place], second)),
+        }
+    };
+    engines.iter().enumerate().map(ratios).collect()
+}
+
 fn measurement(
     scene: &Scene,
-    run: &TimedRenderer,
-    runs: &[TimedRenderer],
-    general: Option<&TimedRenderer>,
+    TimedRenderer { renderer, film, times }: &TimedRenderer,
+    Ratios { speedup, scaling, specialisation, over_second }: Ratios,
     stats: Option<FrameStats>,
 ) -> Measurement {
-    let TimedRenderer { renderer, film, seconds, .. } = run;
-    let times = Quantiles::of(seconds.clone());
+    let reliability = times.reliability(FEWEST_FRAMES);
+    let times = Quantiles::of(times.seconds.clone());
     let settings = renderer.settings();
     let Settings { lanes, threads, .. } = *settings;
     let rays_per_frame = film.rays() as f64 / f64::from(film.samples());
-    let is_first = runs.first().is_some_and(|first| std::ptr::eq(first, run));
-    let over = |wanted: &dyn Fn(&Settings) -> bool| {
-        let other = runs.iter().find(|other| wanted(other.renderer.settings()));
-        other.and_then(|other| Ratio::of(run, other))
-    };
     Measurement {
         scene: scene.name.clone(),
         width: settings.resolution[0],
@@ -189,12 +243,14 @@ fn measurement(
         fps_spread: [1.0 / times.at(0.9), 1.0 / times.at(0.1)],
         mrays_per_s: rays_per_frame / times.median() / 1e6,
         rays_per_frame,
-        speedup: over(&|other| is_first && lanes != 1 && (other.lanes, other.threads) == (1, threads)),
-        scaling: over(&|other| other.lanes == lanes && other.threads < threads),
+        reliability,
+        speedup,
+        scaling,
         needs: renderer.needs().names(),
         traversal: settings.methods.traversal_name(scene, lanes),
         pipeline: settings.pipeline.name(),
-        specialisation: general.and_then(|general| Ratio::of(run, general)),
+        specialisation,
+        over_second,
         stats,
     }
 }
@@ -209,12 +265,25 @@ mod tests {
         let settings = Settings { resolution: [8, 8], lanes: 8, ..Settings::of(&scene) };
         let mut timed = TimedRenderer::new(Renderer::new(&scene, settings));
         timed.turn(1, TURN);
-        timed.seconds = (1..=100).map(f64::from).collect();
-        let found = measurement(&scene, &timed, &[], None, None);
+        timed.times = Times::known(&(1..=100).map(f64::from).collect::<Vec<_>>());
+        let found = measurement(&scene, &timed, Ratios::default(), None);
         assert_eq!((found.frames, found.engine), (100, "simd"));
         assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
         assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);
-        let others = (found.speedup, found.scaling, found.specialisation);
-        assert_eq!(others, (None, None, None), "nothing else was timed");
+        assert_eq!(found.reliability, Reliability { reliable: true, pinned: true, taken: Some(0.0) });
+    }
+
+    #[test]
+    fn ratios_are_those_of_known_turns_over_scalar_one_thread_all_features_and_the_second_configuration() {
+        let engines = [(16, 1), (8, 1), (1, 1), (16, 2)].map(|(lanes, threads)| Engine { lanes, threads });
+        let times = [1.0, 2.0, 10.0, 0.5].map(|seconds| Times::known(&[seconds; 3]));
+        let [general, second] = [1.25, 4.0].map(|seconds| Times::known(&[seconds; 3]));
+        let found = ratios(&engines, &times.each_ref(), Some(&general), &[&second]);
+        let medians = found.iter().map(|Ratios { speedup, scaling, specialisation, over_second }| {
+            [speedup, scaling, specialisation, over_second].map(|ratio| ratio.map(|ratio| ratio.median))
+        });
+        let first = [Some(10.0), None, Some(1.25), Some(4.0)];
+        let others = [[Some(5.0), None, None, None], [None; 4], [None, Some(2.0), None, None]];
+        assert_eq!(medians.collect::<Vec<_>>(), [&[first][..], &others].concat());
     }
 }

@@ -3,7 +3,7 @@
 //! For: [`compare()`].
 
 use super::quantiles::Rounds;
-use super::timed::{Ratio, TimedRenderer};
+use super::timed::{Ratio, TimedRenderer, Times};
 use crate::buffers::LightChoice;
 use crate::film::{Film, Picture};
 use crate::lane::WIDTHS;
@@ -133,8 +133,7 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32, timed: bool) -> 
     }
     if timed && (took < ENOUGH || took / samples < TURN) {
         // Longer turns, in place of those before.
-        simd.clear_times();
-        scalar.clear_times();
+        [&mut simd.times, &mut scalar.times].into_iter().for_each(|times| *times = Times::default());
         for _ in Rounds::until(Instant::now() + ENOUGH * 2, 1, MOST_ROUNDS) {
             simd.turn(usize::MAX, TURN);
             scalar.turn(usize::MAX, TURN);
@@ -152,7 +151,7 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32, timed: bool) -> 
         mismatched_pixels: differ.len(),
         first_mismatch,
         discarded_samples,
-        speedup: if timed { Ratio::of(&simd, &scalar) } else { None },
+        speedup: if timed { Ratio::of(&simd.times, &scalar.times) } else { None },
         traversal: settings.methods.traversal_name(scene, default),
         reference: check_against_reference(scene, &simd.renderer, &to_check, share),
     }

@@ -5,6 +5,7 @@
 pub mod bench;
 pub mod chart;
 pub mod compare;
+pub mod cores;
 mod errors;
 pub mod flip;
 pub mod kernel_set;

@@ -5,10 +5,11 @@
 //! All methods are timed in alternating passes, so that a slow spell of the machine affects all alike. Every
 //! pass's hits are compared with those of the scalar traversal.
 
+use super::cores::{Reliability, on_own_cores};
 use super::quantiles::{Quantiles, Rounds};
 use super::ray_sets::{Answer, Answers, Kind, RaySet, RaysWithHits, pixels};
 use super::stats::{RayStats, TestStats};
-use super::timed::Ratio;
+use super::timed::{Ratio, Times};
 use super::trace::{Accelerators, TraceMethod, TracePool};
 use crate::bvh::Trees;
 use crate::camera::Pinhole;
@@ -19,7 +20,7 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Fewest passes behind a median and its spread, of which a tenth is one pass.
-pub const FEWEST_PASSES: usize = 10;
+const FEWEST_PASSES: usize = 10;
 /// Passes repeat until this time has passed for all methods of a kind together.
 const PER_KIND: Duration = Duration::from_secs(1);
 /// Builds repeat until this time or this number is reached.
@@ -116,6 +117,9 @@ pub struct Measurement {
     pub over_scalar: Option<Ratio>,
     /// Passes behind the median.
     pub passes: usize,
+    /// Of the speeds.
+    #[serde(flatten)]
+    pub reliability: Reliability,
     /// Rays whose answer differs from the baseline's, in the pass with most of them: in any bit of the
     /// nearest hit; for shadow rays, in whether there is a hit.
     pub disagreements: usize,
@@ -148,25 +152,26 @@ pub fn too_many_for_linear(scene: &Scene, set: &RaySet) -> bool {
 struct Run<'a> {
     method: TraceMethod,
     pool: &'a TracePool,
-    seconds: Vec<f64>,
+    times: Times,
     hits: usize,
     disagreements: usize,
     first: Option<Disagreement>,
 }
 
 impl Run<'_> {
-    /// Traces all rays once; returns the seconds. `inline(never)`: `perf/stat.sh` selects this function by
-    /// name.
+    /// Traces all rays once. `inline(never)`: `perf/stat.sh` selects this function by name.
     #[inline(never)]
-    fn pass(&mut self, structures: &Accelerators, rays: &RaysWithHits, answers: &mut Answers) -> f64 {
+    fn pass(&mut self, structures: &Accelerators, rays: &RaysWithHits, answers: &mut Answers) {
         let RaysWithHits { set, nearest } = rays;
         let pool = self.pool;
-        let seconds = pool.run(|| {
+        let trace = || {
             pool.clear(set, answers);
             let start = Instant::now();
             pool.trace(self.method, structures, set, answers, set.kind.any_hit());
             start.elapsed().as_secs_f64()
-        });
+        };
+        let (seconds, load) = pool.run(|| on_own_cores(pool.threads(), trace));
+        self.times.push(&[seconds], load);
         self.hits = answers.count();
         let disagreement = |ray| {
             let [expected, found] = [nearest, answers].map(|answers| answers.get(ray));
@@ -175,7 +180,6 @@ impl Run<'_> {
         let wrong: Vec<Disagreement> = (0..set.len()).filter_map(disagreement).collect();
         self.disagreements = self.disagreements.max(wrong.len());
         self.first = self.first.take().or(wrong.into_iter().next());
-        seconds
     }
 }
 
@@ -191,7 +195,7 @@ pub fn measure(
     let set = &rays.set;
     let mut answers = Answers::none(set);
     let run =
-        |pool, method| Run { method, pool, seconds: Vec::new(), hits: 0, disagreements: 0, first: None };
+        |pool, method| Run { method, pool, times: Times::default(), hits: 0, disagreements: 0, first: None };
     let methods = || methods.iter().copied().filter(|&method| applies(method, set.kind));
     let mut runs: Vec<Run> =
         pools.iter().flat_map(|pool| methods().map(move |method| run(pool, method))).collect();
@@ -201,6 +205,7 @@ pub fn measure(
     // Caches and branch predictors fill, threads start.
     for run in &mut runs {
         run.pass(structures, rays, &mut answers);
+        run.times = Times::default();
     }
     let start = Instant::now();
     let rounds = match passes.map(|passes| passes as usize) {
@@ -210,8 +215,7 @@ pub fn measure(
     };
     for _ in rounds {
         for run in &mut runs {
-            let seconds = run.pass(structures, rays, &mut answers);
-            run.seconds.push(seconds);
+            run.pass(structures, rays, &mut answers);
         }
     }
     runs.iter().map(|run| measurement(set, run, &runs)).collect()
@@ -231,7 +235,7 @@ pub fn count(structures: &Accelerators, rays: &RaysWithHits, methods: &[TraceMet
 }
 
 fn measurement(set: &RaySet, run: &Run, runs: &[Run]) -> Measurement {
-    let times = Quantiles::of(run.seconds.clone());
+    let times = Quantiles::of(run.times.seconds.clone());
     // Without rays the time may be 0.
     let [fast, slow] = times.spread();
     let is_scalar = |other: &&Run| other.method == BASELINE && std::ptr::eq(other.pool, run.pool);
@@ -246,8 +250,9 @@ fn measurement(set: &RaySet, run: &Run, runs: &[Run]) -> Measurement {
         hits: run.hits,
         mrays_per_s: rate(times.median()),
         mrays_per_s_spread: [rate(slow), rate(fast)],
-        over_scalar: scalar.and_then(|scalar| Ratio::of_rounds(&run.seconds, &scalar.seconds)),
+        over_scalar: scalar.and_then(|scalar| Ratio::of(&run.times, &scalar.times)),
         passes: times.count(),
+        reliability: run.times.reliability(FEWEST_PASSES),
         disagreements: run.disagreements,
         first_disagreement: run.first.clone(),
     }

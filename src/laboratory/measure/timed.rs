@@ -1,9 +1,10 @@
 //! Renderers timed in alternating rounds, so that other load on the machine affects all of them alike.
 //!
-//! For: `TimedRenderer`, and the [`Ratio`] of two of them.
+//! For: `TimedRenderer`, its `Times`, and the [`Ratio`] of two of them.
 //!
 //! A *round* gives every renderer one *turn*; a turn is some frames of one renderer.
 
+use super::cores::{Load, Reliability, on_own_cores};
 use super::quantiles::Quantiles;
 use crate::film::Film;
 use crate::render::Renderer;
@@ -14,21 +15,54 @@ use std::time::{Duration, Instant};
 /// rise.
 const WARM_UP: u32 = 5;
 const WARM_UP_TIME: Duration = Duration::from_millis(200);
+/// Fewest rounds behind a ratio that is relied on.
+pub const FEWEST_ROUNDS: usize = 3;
+
+/// What was recorded of something that is timed in turns.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Times {
+    /// Time of each frame.
+    pub seconds: Vec<f64>,
+    /// Median frame time of each turn, in seconds.
+    turns: Vec<f64>,
+    /// How each turn went.
+    loads: Vec<Load>,
+}
+
+impl Times {
+    /// Adds a turn: its frames' times, unless there are none.
+    pub fn push(&mut self, seconds: &[f64], load: Load) {
+        if !seconds.is_empty() {
+            self.seconds.extend(seconds);
+            self.turns.push(Quantiles::of(seconds.to_vec()).median());
+            self.loads.push(load);
+        }
+    }
+    /// Turns of one frame each, on an idle machine.
+    #[cfg(test)]
+    pub fn known(seconds: &[f64]) -> Self {
+        let mut times = Self::default();
+        let load = Load { processor: None, taken: Some(0.0), pinned: true };
+        seconds.iter().for_each(|&seconds| times.push(&[seconds], load));
+        times
+    }
+    /// The reliability of figures that need this number of frames.
+    pub fn reliability(&self, fewest: usize) -> Reliability {
+        Reliability::of(&self.loads, self.seconds.len() >= fewest)
+    }
+}
 
 /// A renderer, its film and its frame times. A frame is one sample of every pixel.
 pub(crate) struct TimedRenderer {
     pub renderer: Renderer,
     pub film: Film,
-    /// Time of each frame.
-    pub seconds: Vec<f64>,
-    /// Median frame time of each turn, in seconds.
-    turns: Vec<f64>,
+    pub times: Times,
 }
 
 impl TimedRenderer {
     /// Warms the renderer up; the film is empty afterwards.
     pub fn new(renderer: Renderer) -> Self {
-        let mut timed = Self { film: renderer.film(), renderer, seconds: Vec::new(), turns: Vec::new() };
+        let mut timed = Self { film: renderer.film(), renderer, times: Times::default() };
         timed.restart();
         timed
     }
@@ -41,33 +75,27 @@ impl TimedRenderer {
             self.renderer.add_samples(&mut self.film, 1);
         }
         self.film.clear();
-        self.clear_times();
+        self.times = Times::default();
     }
 
     /// Times frames for `time`: at least one and at most `frames`, none for 0.
     pub fn turn(&mut self, frames: usize, time: Duration) {
-        let Self { renderer, film, seconds, turns } = self;
-        let before = seconds.len();
-        renderer.on_threads(|| {
+        let Self { renderer, film, times } = self;
+        let frame = |film: &mut Film| {
+            let start = Instant::now();
+            renderer.add_samples(film, 1);
+            start.elapsed().as_secs_f64()
+        };
+        let run = || {
             let turn = Instant::now();
-            for _ in 0..frames {
-                let start = Instant::now();
-                renderer.add_samples(film, 1);
-                seconds.push(start.elapsed().as_secs_f64());
-                if turn.elapsed() >= time {
-                    break;
-                }
+            let mut seconds = Vec::new();
+            while seconds.len() < frames && (seconds.is_empty() || turn.elapsed() < time) {
+                seconds.push(frame(film));
             }
-        });
-        if seconds.len() > before {
-            turns.push(Quantiles::of(seconds[before..].to_vec()).median());
-        }
-    }
-
-    /// Drops the times and keeps the film.
-    pub fn clear_times(&mut self) {
-        self.seconds.clear();
-        self.turns.clear();
+            seconds
+        };
+        let (seconds, load) = renderer.on_threads(|| on_own_cores(renderer.settings().threads, run));
+        times.push(&seconds, load);
     }
 }
 
@@ -81,20 +109,20 @@ pub struct Ratio {
     pub spread: [f64; 2],
     /// Rounds that both took part in.
     pub rounds: usize,
+    /// Of both speeds.
+    #[serde(flatten)]
+    pub reliability: Reliability,
 }
 
 impl Ratio {
     /// The speed of `fast` over that of `slow`; `None` before their first common round.
-    pub(crate) fn of(fast: &TimedRenderer, slow: &TimedRenderer) -> Option<Self> {
-        Self::of_rounds(&fast.turns, &slow.turns)
-    }
-
-    /// The same of two lists of times, a time a round.
-    pub(crate) fn of_rounds(fast: &[f64], slow: &[f64]) -> Option<Self> {
-        let ratios: Vec<f64> = fast.iter().zip(slow).map(|(fast, slow)| slow / fast).collect();
+    pub(crate) fn of(fast: &Times, slow: &Times) -> Option<Self> {
+        let ratios: Vec<f64> = fast.turns.iter().zip(&slow.turns).map(|(fast, slow)| slow / fast).collect();
         (!ratios.is_empty()).then(|| {
             let (rounds, ratios) = (ratios.len(), Quantiles::of(ratios));
-            Self { median: ratios.median(), spread: ratios.spread(), rounds }
+            let [fast, slow] =
+                [fast, slow].map(|times| Reliability::of(&times.loads, rounds >= FEWEST_ROUNDS));
+            Self { median: ratios.median(), spread: ratios.spread(), rounds, reliability: fast.and(slow) }
         })
     }
 }
@@ -108,10 +136,17 @@ mod tests {
     fn ratio_is_that_of_the_rounds_and_not_of_the_medians() {
         // From the third round on the machine is three times as slow. The last turn of `slow` has no
         // counterpart.
-        let (fast, slow) = ([1.0, 1.0, 3.0, 3.0, 3.0], [4.0, 4.0, 12.0, 12.0, 24.0, 99.0]);
-        let ratio = Ratio::of_rounds(&fast, &slow).unwrap();
-        assert_eq!(ratio, Ratio { median: 4.0, spread: [4.0, 8.0], rounds: 5 });
-        assert_eq!(Ratio::of_rounds(&[], &slow), None);
+        let fast = Times::known(&[1.0, 1.0, 3.0, 3.0, 3.0]);
+        let mut slow = Times::known(&[4.0, 4.0, 12.0, 12.0, 24.0, 99.0]);
+        let reliability = Reliability { reliable: true, pinned: true, taken: Some(0.0) };
+        let ratio = Ratio { median: 4.0, spread: [4.0, 8.0], rounds: 5, reliability };
+        assert_eq!(Ratio::of(&fast, &slow), Some(ratio));
+        assert_eq!(Ratio::of(&Times::default(), &slow), None);
+        let is_reliable = |fast: &Times, slow: &Times| Ratio::of(fast, slow).unwrap().reliability.reliable;
+        assert!(!is_reliable(&Times::known(&[1.0, 1.0]), &slow), "of two rounds");
+        // Others took a tenth of the time in most turns of one of the two.
+        slow.loads[..4].iter_mut().for_each(|load| load.taken = Some(0.1));
+        assert!(!is_reliable(&fast, &slow));
     }
 
     #[test]
@@ -123,8 +158,6 @@ mod tests {
         timed.turn(3, Duration::MAX);
         timed.turn(9, Duration::ZERO);
         timed.turn(0, Duration::MAX);
-        assert_eq!((timed.film.samples(), timed.seconds.len(), timed.turns.len()), (4, 4, 2));
-        timed.clear_times();
-        assert_eq!((timed.film.samples(), timed.seconds.len(), timed.turns.len()), (4, 0, 0));
+        assert_eq!((timed.film.samples(), timed.times.seconds.len(), timed.times.turns.len()), (4, 4, 2));
     }
 }

@@ -83,13 +83,13 @@ fn accumulate(timed: &mut TimedRenderer) -> Accumulation {
     let mut pictures = Vec::new();
     for moment in MOMENTS {
         // Time of rendering alone: copying the pictures does not count.
-        let left = moment - timed.seconds.iter().sum::<f64>();
+        let left = moment - timed.times.seconds.iter().sum::<f64>();
         if left > 0.0 {
             timed.turn(usize::MAX, Duration::from_secs_f64(left));
         }
         pictures.push((timed.film.picture(), timed.film.samples()));
     }
-    Accumulation { pictures, seconds: std::mem::take(&mut timed.seconds) }
+    Accumulation { pictures, seconds: std::mem::take(&mut timed.times.seconds) }
 }
 
 fn frames(

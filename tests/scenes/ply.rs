@@ -288,6 +288,29 @@ fn what_is_not_read_is_a_warning_with_its_place_and_the_rest_is_shown() {
     assert_eq!((warnings.len(), area, scene.triangles.len()), (0, 1.5, 3), "{warnings:?}");
 }
 
+#[test]
+fn colours_of_every_type_have_the_scale_of_their_numbers() {
+    let grey = srgb_to_linear(128.0 / 255.0) as f32;
+    for (name, colors, wanted) in [
+        ("int", "0 128 255", grey),
+        ("ushort", "0 32896 65535", grey),
+        ("uint", "0 2155905152 4294967295", grey),
+        ("float", "0 128 255", grey),
+        ("double", "-1 0.5 1.5", 0.5),
+    ] {
+        let of = ["red", "green", "blue"].map(|channel| format!("property {name} {channel}\n")).concat();
+        let xyz = "property float x\nproperty float y\nproperty float z\n";
+        let vertices =
+            format!("element vertex 3\n{xyz}element face 1\nproperty list uchar int vertex_indices\n{of}");
+        let rows = format!("0 0 0 1 0 0 0 1 0 3 0 1 2 {colors}");
+        let text = format!("ply\nformat ascii 1.0\n{vertices}end_header\n{rows}\n");
+        let scene = read_bytes(text.as_bytes()).unwrap();
+        let Texels::Float32(texels) = &scene.textures[0].texels else { panic!("linear") };
+        let off = Vec3::from_slice(&texels[0]) - vec3(0.0, wanted, 1.0);
+        assert!(off.abs().max_element() < 1e-6, "{name}: {texels:?}");
+    }
+}
+
 /// Scans name their images in comments, with texture coordinates of vertices or of the corners of faces.
 #[test]
 fn images_that_comments_name_are_textures() {

@@ -10,6 +10,7 @@ use super::error::SceneError;
 use super::mesh::{Corner, Face, Mesh, NONE};
 use super::mtl;
 use super::statements::{Statement, statements, without_comment};
+use super::vertex_colors::white;
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::srgb_to_linear;
 use std::collections::HashMap;
@@ -142,14 +143,13 @@ fn push_vertex(mesh: &mut Mesh, statement: &Statement) -> Result<(), SceneError>
     Ok(())
 }
 
-/// From display values, of 1 or of 255 if the file has larger ones than 1, to linear ones. Vertices without a
-/// colour are white.
+/// From display values, of 1 or of 255, to linear ones. Vertices without a colour are white.
 fn finish_colors(mesh: &mut Mesh) {
     if mesh.colors.is_empty() {
         return;
     }
     mesh.colors.resize(mesh.positions.len(), Vec3::NAN);
-    let white = if mesh.colors.iter().any(|color| color.max_element() > 1.0) { 255.0 } else { 1.0 };
+    let white = white(mesh.colors.iter().flat_map(|color| color.to_array()), &[1.0, 255.0]);
     let linear = |x: f32| srgb_to_linear((f64::from(x) / white).clamp(0.0, 1.0)) as f32;
     for color in &mut mesh.colors {
         *color = if color.is_nan() { Vec3::ONE } else { color.to_array().map(linear).into() };

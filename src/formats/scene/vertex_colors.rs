@@ -1,6 +1,6 @@
 //! Colours of vertices as a texture: the engine knows no others.
 //!
-//! For: [`VertexColors`].
+//! For: [`VertexColors`]; [`white`], which tells colours to 1 from those to 255.
 //!
 //! Each triangle has a patch of 2 × 2 texels, and its corners lie at the centres of three of them:
 //!
@@ -20,6 +20,14 @@ use std::collections::HashMap;
 
 /// The name of the texture.
 pub const NAME: &str = "(vertex colours)";
+
+/// Returns which of these numbers, in ascending order, is white where colours have these channels. Colours to
+/// 1 may exceed it a little, but not twofold.
+pub fn white(channels: impl Iterator<Item = f32>, numbers: &[f64]) -> f64 {
+    let largest = f64::from(channels.filter(|channel| channel.is_finite()).fold(0.0, f32::max));
+    let fits = numbers.iter().find(|&&white| largest <= if white == 1.0 { 2.0 } else { white });
+    *fits.unwrap_or(&numbers[numbers.len() - 1])
+}
 
 #[derive(Default)]
 pub struct VertexColors {

@@ -5,7 +5,8 @@
 //! Reads the elements `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v), `face` (a list
 //! `vertex_indices` or `vertex_index`, of any length; a list `texcoord`, the number of an image, `texnumber`;
 //! red, green, blue), `tristrips`, and the images that comments `TextureFile` name; others are noted.
-//! Whole numbers as colours are display values (sRGB) over the largest of their type, real ones linear.
+//! Colours are linear real numbers to 1, or display values (sRGB) to 255, 65,535 or the largest of their type:
+//! the largest of the file tells.
 //!
 //! No library is used: one (`ply-rs-bw`) needs a parser generator and makes a map of each element, the other
 //! (`serde-ply`) is at version 0.2. Here every count is checked against the bytes that are there, faults have
@@ -18,7 +19,8 @@ mod reader;
 use super::check::fits;
 use super::error::SceneError;
 use super::mesh::{Corner, Face, Mesh, NONE};
-use super::scalar::{Kind, Scalar};
+use super::scalar::Kind;
+use super::vertex_colors::white;
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::srgb_to_linear;
 use reader::{Element, Property, Reader};
@@ -141,15 +143,20 @@ fn read_vertices(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Res
     };
     mesh.colors_line = color.as_ref().map_or(mesh.colors_line, |at| element.properties[at[0]].line);
     each_row(reader, element, |Row { values, .. }| {
-        let three = |at: &[usize]| DVec3::new(values[at[0]], values[at[1]], values[at[2]]);
-        mesh.positions.push(three(&position));
-        mesh.normals.extend(normal.as_deref().map(|at| three(at).normalize_or_zero().as_vec3()));
-        mesh.colors.extend(color.as_deref().map(|at| linear(element, at, values)));
+        mesh.positions.push(three(&position, values));
+        mesh.normals.extend(normal.as_deref().map(|at| three(at, values).normalize_or_zero().as_vec3()));
+        mesh.colors.extend(color.as_deref().map(|at| three(at, values).as_vec3()));
         mesh.uvs.extend(uv.as_ref().map(|at| finite([values[at[0]], values[at[1]]])));
         let mut further = [&normal, &color, &uv].into_iter().flatten().flatten();
         let is_broken = further.any(|&at| !fits(values[at]));
         is_broken.then_some("a normal, a colour or a texture coordinate that is no number is left out")
-    })
+    })?;
+    color.iter().for_each(|at| make_linear(element, at, &mut mesh.colors));
+    Ok(())
+}
+
+fn three(at: &[usize], values: &[f64]) -> DVec3 {
+    DVec3::new(values[at[0]], values[at[1]], values[at[2]])
 }
 
 /// Texture coordinates; 0 where they are no number.
@@ -165,14 +172,14 @@ fn read_faces(
     reader: &mut Reader,
     element: &Element,
 ) -> Result<(), SceneError> {
-    let is_strips = element.name == "tristrips";
+    let (is_strips, before) = (element.name == "tristrips", mesh.faces.len());
     let [color, image] = columns(reader, element, [COLOR, &[&["texnumber"]]]);
     mesh.colors_line = color.as_ref().map_or(mesh.colors_line, |at| element.properties[at[0]].line);
     each_row(reader, element, |Row { values, corners, uvs: of_corners }| {
         let first = mesh.corners.len();
         let number = image.as_deref().map_or(0.0, |at| values[at[0]]);
         let material = if number < 0.0 { NONE } else { number as u32 };
-        let color = color.as_deref().map_or(Vec3::NAN, |at| linear(element, at, values));
+        let color = color.as_deref().map_or(Vec3::NAN, |at| three(at, values).as_vec3());
         let mut push = |corners: &[f64]| {
             mesh.corners.extend(corners.iter().map(|&value| {
                 let is_vertex = value >= 0.0 && value < f64::from(NONE) && value.fract() == 0.0;
@@ -200,19 +207,31 @@ fn read_faces(
         }
         uvs.extend(pairs.iter().enumerate().map(|(corner, &uv)| (first + corner, finite(uv))));
         None
-    })
+    })?;
+    if let Some(at) = color {
+        let mut colors: Vec<Vec3> = mesh.faces[before..].iter().map(|face| face.color).collect();
+        make_linear(element, &at, &mut colors);
+        mesh.faces[before..].iter_mut().zip(colors).for_each(|(face, color)| face.color = color);
+    }
+    Ok(())
 }
 
-/// A colour, linear and in [0, 1]; white where it is no number.
-fn linear(element: &Element, at: &[usize], values: &[f64]) -> Vec3 {
-    let channel = |at: usize| {
-        let scalar = element.properties[at].scalar;
-        let of_real = |value: f64| if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) };
-        if scalar.kind == Kind::Real {
-            return of_real(values[at]) as f32;
+/// Makes the colours of an element linear and in [0, 1]; white where they are no number.
+fn make_linear(element: &Element, at: &[usize], colors: &mut [Vec3]) {
+    let scalars = [0, 1, 2].map(|channel| element.properties[at[channel]].scalar);
+    let whites = scalars.map(|scalar| {
+        let alike = (0..3).filter(|&channel| scalars[channel] == scalar);
+        let values = alike.flat_map(|channel| colors.iter().map(move |color| color[channel]));
+        match scalar.kind {
+            Kind::Real => white(values, &[1.0, 255.0, 65_535.0]),
+            _ => white(values, &[255.0, 65_535.0, scalar.largest()]),
         }
-        let white = Scalar { kind: Kind::Unsigned, ..scalar }.largest();
-        srgb_to_linear(of_real(values[at] / white)) as f32
-    };
-    Vec3::new(channel(at[0]), channel(at[1]), channel(at[2]))
+    });
+    for color in colors {
+        *color = Vec3::from_array(std::array::from_fn(|channel| {
+            let value = (f64::from(color[channel]) / whites[channel]).clamp(0.0, 1.0);
+            let value = if value.is_nan() { 1.0 } else { value };
+            (if whites[channel] == 1.0 { value } else { srgb_to_linear(value) }) as f32
+        }));
+    }
 }

@@ -108,7 +108,7 @@ fn cameras_far_from_the_origin_are_warned_of() {
 fn views_far_from_zero_read_back_as_they_were_written() {
     let folder = Folder::new();
     let keys =
-        r#""camera": { "position": [447321.31, 5.7, -5411870.1], "look_at": [447325.9, 4.3, -5411873.77] }"#;
+        r#""camera": { "position": [447321.31, -0.2, -5411870.1], "look_at": [447325.9, 1, -5411873.77] }"#;
     let text = format!(
         r#"{{ "format": "octray-1", {keys}, "spheres": [{{ "center": [447325,4,-5411873], "radius": 1 }}] }}"#
     );
@@ -116,6 +116,8 @@ fn views_far_from_zero_read_back_as_they_were_written() {
     let view = View::of(&scene, None, &folder.path(""));
     let again = load_with_view(&folder.write("v.json", view.text())).unwrap();
     assert_eq!((again.view.as_ref(), again.camera), (Some(&view), scene.camera), "{}", view.text());
+    // With the digits of the file.
+    assert!(view.text().contains(keys.split_once(" }").unwrap().0), "{}", view.text());
 }
 
 #[test]

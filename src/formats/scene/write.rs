@@ -8,17 +8,19 @@ use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::{Camera, Coordinates};
 use std::path::Path;
 
-/// The file's point that reads back as this point of a scene, with few digits.
+/// The file's point that reads back as this point of a scene, with the fewest digits.
 pub fn point_in_file(point: Vec3, coordinates: &Coordinates) -> DVec3 {
     let exact = coordinates.to_file(point.into()).to_array();
     DVec3::from_array(std::array::from_fn(|axis| {
+        let rounded = |digits: usize| format!("{:.digits$e}", exact[axis]).parse().unwrap_or(exact[axis]);
         let reads_back = |x: &f64| {
             let placed = coordinates.to_scene(DVec3::splat(*x))[axis] as f32;
             placed.to_bits() == point[axis].to_bits()
         };
-        let digits = [8, 11, 14].map(|digits| format!("{:.digits$e}", exact[axis]));
-        let short = std::iter::once((exact[axis] as f32).to_string()).chain(digits);
-        short.filter_map(|text| text.parse().ok()).find(reads_back).unwrap_or(exact[axis])
+        // With more digits a number is as near, or nearer.
+        let all: [usize; 17] = std::array::from_fn(|digits| digits);
+        let fewest = all.partition_point(|&digits| !reads_back(&rounded(digits)));
+        Some(rounded(fewest)).filter(reads_back).unwrap_or(exact[axis])
     }))
 }
 

@@ -39,7 +39,7 @@ pub fn load(place: &Path, size: [u32; 2]) -> Option<GroundTruth> {
     let quality: GroundTruthInfo =
         serde_json::from_slice(&fs::read(place.with_extension("json")).ok()?).ok()?;
     let bytes = fs::read(place.with_extension("exr")).ok()?;
-    let (picture, _) = openexr::read(&bytes, size.map(u64::from).iter().product()).ok()?;
+    let (picture, ..) = openexr::read(&bytes, size.map(u64::from).iter().product()).ok()?;
     (size == [picture.width, picture.height]).then(|| GroundTruth::from_kept(picture, quality))
 }
 

@@ -5,16 +5,20 @@
 //! Single-threaded: several threads would write blocks in the order of their completion, and two files of one
 //! picture would differ.
 
+use crate::colorimetry;
 use exr::meta::MetaData;
 use exr::prelude::*;
 use octray_engine::film::Picture;
 use std::io::{Cursor, Seek, Write};
 
 /// The first layer with red, green and blue channels, or else the first grey one, in the size of the file's
-/// display window; black outside the layer's data window. And what is left out, as clauses. Windows of more
-/// than `most` pixels are refused before anything of their size is allocated. DWAA and DWAB, which are lossy,
+/// display window; black outside the layer's data window. The primaries of its colours, if it names them. And
+/// what is left out, as clauses. Windows of more than `most` pixels are refused before anything of their size is allocated. DWAA and DWAB, which are lossy,
 /// decode to other bits on processors without AVX2.
-pub fn read(bytes: &[u8], most: u64) -> std::result::Result<(Picture, Vec<String>), String> {
+pub fn read(
+    bytes: &[u8],
+    most: u64,
+) -> std::result::Result<(Picture, Option<colorimetry::Chromaticities>, Vec<String>), String> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(fault)?;
     for header in &meta.headers {
         for size in [header.layer_size, header.shared_attributes.display_window.size] {
@@ -79,7 +83,11 @@ pub fn read(bytes: &[u8], most: u64) -> std::result::Result<(Picture, Vec<String
     if transparent > 0 {
         left_out.push(format!("{transparent} pixels are transparent and shown over black"));
     }
-    Ok((Picture { width: width as u32, height: height as u32, pixels }, left_out))
+    let colors = attributes
+        .chromaticities
+        .filter(|_| channels.len() == 3)
+        .map(|file| [file.red, file.green, file.blue, file.white].map(|Vec2(x, y)| [x, y]));
+    Ok((Picture { width: width as u32, height: height as u32, pixels }, colors, left_out))
 }
 
 /// The names of the red, green and blue channels of the first layer that has all, or else of the first grey

@@ -3,10 +3,14 @@
 //! For: [`Textures`].
 
 use super::files::Files;
+use crate::colorimetry::{self, linear, to_rec709};
 use crate::openexr;
+use crate::radiance::Radiance;
 use crate::wording::counted;
+use glam::DMat3;
 use image::metadata::Orientation;
 use image::{DynamicImage, GenericImageView, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use moxcms::ColorProfile;
 use octray_engine::film::Picture;
 use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
 use std::collections::HashMap;
@@ -90,10 +94,8 @@ fn decode(
     texel_kind: TexelKind,
     left_out: &mut Vec<String>,
 ) -> Result<(u32, u32, Texels), String> {
-    // The first line of a Radiance file may name any program: `#?RADIANCE`, `#?RGBE`.
-    let is_radiance = bytes.starts_with(b"#?");
-    let named = if is_radiance { [b"#?RADIANCE", &bytes[2..]].concat() } else { Vec::new() };
-    let bytes = if is_radiance { &named } else { bytes };
+    let radiance = bytes.starts_with(b"#?").then(|| Radiance::new(bytes)).transpose()?;
+    let bytes = radiance.as_ref().map_or(bytes, |radiance| radiance.file.as_slice());
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
     // TGA has no magic number: its extension decides.
@@ -103,12 +105,16 @@ fn decode(
         reader.set_format(format);
     }
     if reader.format() == Some(ImageFormat::OpenExr) {
-        let (Picture { width, height, pixels }, others) = openexr::read(bytes, MAX_IMAGE_BYTES / 12)?;
+        let (Picture { width, height, pixels }, file, others) = openexr::read(bytes, MAX_IMAGE_BYTES / 12)?;
         left_out.extend(others);
         if width.max(height) > MAX_IMAGE_SIDE {
             return Err(too_large());
         }
-        return Ok((width, height, linear_texels(width, pixels, left_out)?));
+        let matrix = file.map_or(Some(DMat3::IDENTITY), to_rec709);
+        if matrix.is_none() {
+            left_out.push("its chromaticities span no colours: it is read as Rec. 709".to_string());
+        }
+        return Ok((width, height, linear_texels(pixels, matrix.unwrap_or_default(), texel_kind, left_out)));
     }
     let mut limits = Limits::no_limits();
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_SIDE), Some(MAX_IMAGE_SIDE));
@@ -131,10 +137,15 @@ fn decode(
     if u64::from(width) * u64::from(height) > bytes.len() as u64 * MAX_PIXELS_OF_BYTE {
         return Err(format!("its {} bytes are too few for {width}x{height} pixels", bytes.len()));
     }
-    let is_color = format != ImageFormat::Hdr && texel_kind == TexelKind::Color;
-    if is_color {
-        note_colors(bytes, format, &mut decoder, left_out);
+    if let Some(radiance) = &radiance {
+        let picture = radiance.turn(DynamicImage::from_decoder(decoder).map_err(refused)?).into_rgb32f();
+        left_out.extend(radiance.left_out.iter().cloned());
+        let pixels = picture.pixels().map(|pixel| pixel.0).collect();
+        let texels = linear_texels(pixels, radiance.matrix, texel_kind, left_out);
+        return Ok((picture.width(), picture.height(), texels));
     }
+    let is_color = texel_kind == TexelKind::Color;
+    let profile = is_color.then(|| profile(bytes, format, &mut decoder, left_out));
     let picture = DynamicImage::from_decoder(decoder).map_err(refused)?;
     if is_color && picture.color().has_alpha() && picture.pixels().any(|(_, _, pixel)| pixel[3] < u8::MAX) {
         left_out.push("its transparency is left out".to_string());
@@ -142,15 +153,18 @@ fn decode(
     if format == ImageFormat::Jpeg && !has_end(bytes) {
         left_out.push("its end is missing: the last rows may be wrong".to_string());
     }
-    let texels = match format {
-        ImageFormat::Hdr => {
-            note_header(bytes, left_out);
-            let picture = picture.into_rgb32f();
-            linear_texels(width, picture.pixels().map(|pixel| pixel.0).collect(), left_out)?
-        }
-        _ => display_texels(picture, texel_kind),
+    let converted = profile.map(|profile| profile.and_then(|profile| linear(&profile, &picture)));
+    if let Some(None) = converted {
+        left_out.push("its colour profile is left out: it is read as sRGB".to_string());
+    }
+    let Some((pixels, clipped)) = converted.flatten().flatten() else {
+        return Ok((width, height, display_texels(picture, texel_kind)));
     };
-    Ok((width, height, texels))
+    if clipped > 0 {
+        let pixels = counted(clipped, "pixel", "pixels");
+        left_out.push(format!("{pixels} of colours outside Rec. 709 became the nearest in it"));
+    }
+    Ok((width, height, linear_texels(pixels, DMat3::IDENTITY, texel_kind, left_out)))
 }
 
 /// Whether a JPEG file has the marker that ends its first picture; others may follow. The decoder makes up
@@ -173,64 +187,75 @@ fn has_end(jpeg: &[u8]) -> bool {
     false
 }
 
-/// What of a Radiance file's header would change its colours.
-fn note_header(bytes: &[u8], left_out: &mut Vec<String>) {
-    for line in bytes.split(|&byte| byte == b'\n').take_while(|line| !line.is_empty()) {
-        let line = String::from_utf8_lossy(line);
-        let Some((key @ ("EXPOSURE" | "COLORCORR"), value)) = line.split_once('=') else { continue };
-        if value.split_whitespace().any(|factor| factor.parse() != Ok(1.0_f32)) {
-            left_out.push(format!("its `{key}` is not undone"));
-        }
-    }
-}
-
-/// What of a picture would change its colours: turning, and another meaning of its values.
-fn note_colors(
+/// The profile of a picture's values; `None` for one that cannot be used.
+fn profile(
     bytes: &[u8],
     format: ImageFormat,
     decoder: &mut impl ImageDecoder,
     left_out: &mut Vec<String>,
-) {
-    let is_turned = decoder.orientation().is_ok_and(|turn| turn != Orientation::NoTransforms);
-    let profile = decoder.icc_profile().ok().flatten();
-    // Profiles have names in ASCII or UTF-16.
-    let is_srgb =
-        |profile: &Vec<u8>| profile.windows(7).any(|at| at.starts_with(b"sRGB") || at == b"s\0R\0G\0B");
-    let mut is_other = profile.as_ref().is_some_and(|profile| !is_srgb(profile));
-    if format == ImageFormat::Png
-        && profile.is_none()
-        && let Ok(reader) = png::Decoder::new(Cursor::new(bytes)).read_info()
-    {
-        let png::Info { srgb, gama_chunk: gamma, coding_independent_code_points: codes, .. } = reader.info();
-        is_other = codes.is_some_and(|codes| (codes.color_primaries, codes.transfer_function) != (1, 13))
-            || srgb.is_none() && gamma.is_some_and(|gamma| (gamma.into_value() - 1.0 / 2.2).abs() > 0.01);
+) -> Option<ColorProfile> {
+    if decoder.orientation().is_ok_and(|turn| turn != Orientation::NoTransforms) {
+        left_out.push("its EXIF orientation is left out: turn the picture itself".to_string());
     }
-    for (is_left_out, what) in [
-        (is_turned, "its EXIF orientation is left out: turn the picture itself"),
-        (is_other, "its colour profile, or gamma, is left out: it is read as sRGB"),
-    ] {
-        if is_left_out {
-            left_out.push(what.to_string());
-        }
+    let info = (format == ImageFormat::Png)
+        .then(|| png::Decoder::new(Cursor::new(bytes)).read_info().ok())
+        .flatten();
+    let png = info.as_ref().map(png::Reader::info);
+    if let Some(codes) = png.and_then(|png| png.coding_independent_code_points) {
+        return colorimetry::cicp(codes);
     }
+    if let Some(profile) = decoder.icc_profile().ok().flatten() {
+        return ColorProfile::new_from_slice(&profile).ok();
+    }
+    let png = png.filter(|png| png.srgb.is_none());
+    let primaries = png.and_then(|png| png.chrm_chunk).map(|file| {
+        [file.red, file.green, file.blue, file.white].map(|(x, y)| [x.into_value(), y.into_value()])
+    });
+    // An exponent of 2.2 stands for the curve of sRGB.
+    let gamma = png.and_then(|png| png.gama_chunk).map(|gamma| 1.0 / gamma.into_value());
+    let gamma = gamma.filter(|gamma| (gamma - 2.2).abs() > 0.05);
+    Some(colorimetry::chromatic(gamma, primaries))
 }
 
-/// HDR and EXR already hold linear values. Filters leave some a little below 0.
-fn linear_texels(width: u32, pixels: Vec<[f32; 3]>, left_out: &mut Vec<String>) -> Result<Texels, String> {
-    for (index, pixel) in pixels.iter().enumerate() {
-        if let Some(bad) = pixel.iter().find(|channel| !channel.is_finite()) {
-            let (x, y) = (index % width as usize, index / width as usize);
-            return Err(format!("the pixel in column {x}, row {y} holds {bad}, which is not a radiance"));
-        }
+/// HDR and EXR already hold linear values. Filters leave some a little below 0; what is brighter than a half
+/// can hold is infinite.
+fn linear_texels(
+    mut pixels: Vec<[f32; 3]>,
+    to_rec709: DMat3,
+    texel_kind: TexelKind,
+    left_out: &mut Vec<String>,
+) -> Texels {
+    let is_nan = |channel: f32| channel.is_nan() || channel == f32::NEG_INFINITY;
+    replace(&mut pixels, is_nan, 0.0, "NaN or negative infinity became 0", left_out);
+    let finite = pixels.iter().flatten().copied().filter(|channel| channel.is_finite());
+    let largest = Some(finite.fold(0.0, f32::max)).filter(|&largest| largest > 0.0).unwrap_or(1.0);
+    let what = format!("infinity became {largest}, the largest other number,");
+    replace(&mut pixels, f32::is_infinite, largest, &what, left_out);
+    if texel_kind == TexelKind::Color {
+        colorimetry::convert(&mut pixels, to_rec709);
     }
     let lowest = pixels.iter().flatten().fold(0.0, |lowest: f32, channel| lowest.min(*channel));
-    if lowest < 0.0 {
-        let negative = pixels.iter().filter(|pixel| pixel.iter().any(|channel| *channel < 0.0)).count();
-        let pixels = counted(negative, "pixel", "pixels");
-        left_out.push(format!("{pixels} below 0 became 0: the lowest holds {lowest:e}"));
+    let what = format!("what is below 0, down to {lowest:e}, became 0");
+    replace(&mut pixels, |channel| channel < 0.0, 0.0, &what, left_out);
+    Texels::Float32(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect())
+}
+
+/// Replaces channels, and says in how many pixels.
+fn replace(
+    pixels: &mut [[f32; 3]],
+    is_bad: fn(f32) -> bool,
+    value: f32,
+    what: &str,
+    left_out: &mut Vec<String>,
+) {
+    let mut count = 0;
+    for pixel in pixels.iter_mut().filter(|pixel| pixel.iter().any(|&channel| is_bad(channel))) {
+        *pixel = pixel.map(|channel| if is_bad(channel) { value } else { channel });
+        count += 1;
     }
-    let texel = |[r, g, b]: [f32; 3]| [r.max(0.0), g.max(0.0), b.max(0.0), 0.0];
-    Ok(Texels::Float32(pixels.into_iter().map(texel).collect()))
+    if count > 0 {
+        left_out.push(format!("{what} in {}", counted(count, "pixel", "pixels")));
+    }
 }
 
 fn too_large() -> String {

@@ -36,7 +36,7 @@ const ORDER: [&[&str]; PACKAGES.len()] = [
         "diagnosis",
         "display",
     ],
-    &["wording", "openexr", "scene", "output", "checkpoint"],
+    &["wording", "colorimetry", "openexr", "radiance", "scene", "output", "checkpoint"],
     &[
         "display_mode",
         "dynamic_resolution",

@@ -1,0 +1,107 @@
+//! The colours of picture files in linear Rec. 709, the primaries of scenes.
+//!
+//! For: [`to_rec709`], [`xyz_to_rec709`], [`convert`]; [`cicp`], [`chromatic`] and [`linear`] of profiles.
+
+use glam::{DMat3, DVec3};
+use image::{DynamicImage, Rgb};
+use moxcms::{
+    Chromaticity, CicpProfile, ColorPrimaries, ColorProfile, ToneReprCurve, TransferCharacteristics,
+};
+use octray_engine::scene::srgb_to_linear;
+
+/// CIE x, y of red, green, blue and white.
+pub type Chromaticities = [[f32; 2]; 4];
+
+const REC709: Chromaticities = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
+/// Colours and curves that differ less, in a linear channel, are the same: files round them.
+const SAME: f64 = 2e-3;
+
+/// From linear RGB to CIE XYZ. Source: SMPTE RP 177.
+fn to_xyz(file: Chromaticities) -> DMat3 {
+    let xyz = |[x, y]: [f32; 2]| DVec3::new(x.into(), y.into(), 1.0 - f64::from(x) - f64::from(y));
+    let [red, green, blue, white] = file.map(xyz);
+    let primaries = DMat3::from_cols(red, green, blue);
+    primaries * DMat3::from_diagonal(primaries.inverse() * (white / white.y))
+}
+
+/// From CIE XYZ to linear Rec. 709.
+pub fn xyz_to_rec709() -> DMat3 {
+    to_xyz(REC709).inverse()
+}
+
+/// From linear RGB of these primaries to linear Rec. 709; `None` where they span no colours. The light stays
+/// the same: white is not adapted, as a picture of radiance has no viewer.
+pub fn to_rec709(file: Chromaticities) -> Option<DMat3> {
+    let found = xyz_to_rec709() * to_xyz(file);
+    found.is_finite().then_some(found)
+}
+
+/// Converts linear colours, unless the matrix changes hardly anything.
+pub fn convert(pixels: &mut [[f32; 3]], matrix: DMat3) {
+    if !matrix.abs_diff_eq(DMat3::IDENTITY, SAME) {
+        for pixel in pixels {
+            let color = matrix * DVec3::from(pixel.map(f64::from));
+            *pixel = color.min(DVec3::splat(f32::MAX.into())).as_vec3().to_array();
+        }
+    }
+}
+
+/// The profile of code points for video; `None` where numbers are not relative to white.
+pub fn cicp(codes: png::CodingIndependentCodePoints) -> Option<ColorProfile> {
+    let transfer = TransferCharacteristics::try_from(codes.transfer_function).ok()?;
+    let is_absolute = [TransferCharacteristics::Smpte2084, TransferCharacteristics::Hlg].contains(&transfer);
+    (codes.is_video_full_range_image && !is_absolute).then_some(ColorProfile::new_from_cicp(CicpProfile {
+        color_primaries: codes.color_primaries.try_into().ok()?,
+        transfer_characteristics: transfer,
+        matrix_coefficients: codes.matrix_coefficients.try_into().ok()?,
+        full_range: true,
+    }))
+}
+
+/// The profile of an exponent and of primaries, where they are given, and otherwise of sRGB.
+pub fn chromatic(gamma: Option<f32>, primaries: Option<Chromaticities>) -> ColorProfile {
+    let mut profile = ColorProfile::new_srgb();
+    if let Some(file) = primaries.filter(|file| to_rec709(*file).is_some()) {
+        let [red, green, blue, white] = file.map(|[x, y]| Chromaticity { x, y });
+        profile.update_rgb_colorimetry(white.to_xyyb(), ColorPrimaries { red, green, blue });
+    }
+    if let Some(curve) = gamma.map(|gamma| Some(ToneReprCurve::Parametric(vec![gamma]))) {
+        (profile.red_trc, profile.green_trc, profile.blue_trc) = (curve.clone(), curve.clone(), curve);
+    }
+    profile
+}
+
+/// The linear pixels of a picture and how many of them are clipped, as they lie outside Rec. 709. `Some(None)`
+/// where the profile is sRGB, and `None` where it has no curves: it is of tables, or not of RGB or grey.
+pub fn linear(profile: &ColorProfile, picture: &DynamicImage) -> Option<Option<(Vec<[f32; 3]>, usize)>> {
+    let to_rec709 = match profile.gray_trc {
+        Some(_) => DMat3::IDENTITY,
+        None => {
+            let rows = profile.transform_matrix(&ColorProfile::new_srgb()).v;
+            DMat3::from_cols_array_2d(&rows).transpose()
+        }
+    };
+    let curve = |curve: &Option<ToneReprCurve>| {
+        profile.gray_trc.as_ref().or(curve.as_ref())?.make_linear_evaluator().ok()
+    };
+    let curves = [curve(&profile.red_trc)?, curve(&profile.green_trc)?, curve(&profile.blue_trc)?];
+    let differs = |x: u8| {
+        let (x, srgb) = (f32::from(x) / 255.0, srgb_to_linear(f64::from(x) / 255.0));
+        curves.iter().any(|curve| (f64::from(curve.evaluate_value(x)) - srgb).abs() > SAME)
+    };
+    if to_rec709.abs_diff_eq(DMat3::IDENTITY, SAME) && !(0..=u8::MAX).any(differs) {
+        return Some(None);
+    }
+    let tables: [Vec<f32>; 3] =
+        curves.map(|curve| (0..=u16::MAX).map(|x| curve.evaluate_value(f32::from(x) / 65_535.0)).collect());
+    let value = |&Rgb(pixel): &Rgb<u16>| std::array::from_fn(|at| tables[at][usize::from(pixel[at])]);
+    let mut pixels: Vec<[f32; 3]> = picture.to_rgb16().pixels().map(value).collect();
+    convert(&mut pixels, to_rec709);
+    let mut clipped = 0;
+    for pixel in &mut pixels {
+        let within = pixel.map(|channel| channel.clamp(0.0, 1.0));
+        clipped += usize::from((0..3).any(|at| f64::from((pixel[at] - within[at]).abs()) > SAME));
+        *pixel = within;
+    }
+    to_rec709.is_finite().then_some(Some((pixels, clipped)))
+}

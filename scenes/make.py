@@ -18,7 +18,9 @@ def named(items):
 
 
 def write(name, camera, sky, materials, numbers=None, **lists):
-    parts = ['  "format": "octray-1"', f'  "camera": {json.dumps(camera)}', f'  "sky": {json.dumps(sky)}']
+    parts = ['  "format": "octray-1"', f'  "camera": {json.dumps(camera)}']
+    # A point in the middle, as these scenes are looked at from all sides.
+    parts += [f'  "origin": {json.dumps(camera["look_at"])}', f'  "sky": {json.dumps(sky)}']
     parts += [f'  "{key}": {json.dumps(value)}' for key, value in (numbers or {}).items()]
     parts.append(f'  "materials": {named(materials)}')
     parts += [f'  "{key}": {entries(items)}' for key, items in lists.items()]

@@ -46,6 +46,8 @@ pub struct SceneBuilder {
     /// Per material: scene units that one repeat of the texture covers on a triangle without `uvs`.
     texture_sizes: Vec<f64>,
     default_material: Option<u32>,
+    /// That of the scene's coordinates, if it is known before them.
+    pub origin: Option<DVec3>,
     has_coordinates: bool,
     pub textures: Textures,
     /// Materials, primitives and warnings so far.
@@ -86,7 +88,7 @@ impl SceneBuilder {
         self.has_coordinates = true;
     }
     /// From a model's points, which `placement` places in the file, to those of the scene. Without
-    /// coordinates, the scene gets some around the model's first point.
+    /// coordinates, the scene gets some around its origin, or else the model's first point.
     pub fn within_scene(
         &mut self,
         placement: &Placement,
@@ -96,10 +98,10 @@ impl SceneBuilder {
             let points = points.map(|point| placement.point(point));
             let first = points.clone().next().unwrap_or_default();
             // What is added to a translation has few digits, so that the sum rounds nothing.
-            let origin = match placement.translate {
+            let origin = self.origin.unwrap_or(match placement.translate {
                 DVec3::ZERO => first,
                 translate => translate + (first - translate).as_vec3().as_dvec3(),
-            };
+            });
             let size = points.map(|point| point.distance_squared(origin)).fold(0.0, f64::max).sqrt();
             self.set_coordinates(Coordinates::around(origin, size));
         }

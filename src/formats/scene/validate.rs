@@ -1,6 +1,6 @@
 //! From the native file to a [`Scene`], or an error that says where and how to mend it.
 //!
-//! For: [`scene`], and [`camera`], which views share.
+//! For: [`scene`], and [`camera_of`], which views share.
 
 use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, MAX_COPIES, SceneBuilder};
 use super::check::{fits, near};
@@ -17,10 +17,21 @@ use super::native::{
 use super::placement::Placement;
 use super::spelling::nearest;
 use glam::{DVec3, Vec3};
-use octray_engine::scene::{Camera, Coordinates, MaterialKind, Scene, Side, Sky, Sphere};
+use octray_engine::scene::{
+    Camera, Coordinates, MAX_COORDINATE, MIN_LENGTH, MaterialKind, Scene, Side, Sky, Sphere,
+    floor_to_power_of_two,
+};
 use std::collections::HashMap;
 use std::rc::Rc;
 
+/// Fields of view below this, in degrees, are so narrow that what is rounded relative to the camera moves by
+/// parts of a pixel that show.
+const NARROW: f64 = 1.0;
+/// The shortest distance to a point that the camera looks at, in distances from the camera to the origin, or
+/// to the end of the scene.
+const LEAST_SIGHT: f64 = 1.0 / 2048.0;
+/// The smallest size of a scene, in distances from its origin to its end: 1/16 of what its unit has room for.
+const LEAST_SIZE: f64 = 16.0 / MAX_COORDINATE;
 /// Most spheres of glass that are compared with each other, one by one.
 const MOST_NESTED: usize = 1_000;
 
@@ -44,7 +55,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
 
     faults.none_in(file.origin.map_or(Ok(Vec3::ZERO), |origin| root.key("origin").vec3(origin)))?;
     let mut loader = Loader { builder: SceneBuilder::new(files), is_mended, ..Loader::default() };
-    coordinates(&file).into_iter().for_each(|coordinates| loader.builder.set_coordinates(coordinates));
+    set_coordinates(&file, &mut loader.builder);
     for entry in &file.materials.0 {
         let place = root.key("materials");
         let number = material::material(&mut loader.builder, entry, &place.key(&entry.0));
@@ -72,9 +83,8 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
         let mend = "add an entry to `spheres`, `triangles` or `meshes`";
         return Err(faults.all().unwrap_or(root.error("the scene holds nothing to see", mend)));
     }
-    let framed = |position, look_at| builder.scene.framing(position, look_at);
-    let camera =
-        camera(&root.key("camera"), &file.camera.unwrap_or_default(), &builder.scene.coordinates, framed);
+    let camera = file.camera.unwrap_or_default();
+    let camera = camera_of(&root.key("camera"), &camera, &builder.scene, None);
     let camera = faults.none_in(camera.map(Some))?;
     let Some(camera) = camera.filter(|_| faults.0.is_empty()) else {
         return Err(faults.all().expect("without a fault there is a camera"));
@@ -86,23 +96,51 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     builder.finish(name, camera, resolution, max_bounces, sky).map_err(|error| error.in_file(source.file))
 }
 
-/// The coordinates of a scene that holds more than models: around the point that the file gives for it, that
-/// the camera looks at or stands at, or else around a corner of a triangle or the middle of the smallest
-/// sphere.
-fn coordinates(file: &SceneFile) -> Option<Coordinates> {
-    let camera = file.camera.as_ref().map_or([None; 2], |camera| [camera.position, camera.look_at]);
-    let [position, look_at] = camera.map(|point| point.map(DVec3::from));
-    let smallest = file.spheres.iter().min_by(|a, b| a.radius.total_cmp(&b.radius));
-    let of_triangle = file.triangles.first().map(|triangle| triangle.vertices[0].into());
-    let origin = file.origin.map(DVec3::from).or(look_at).or(position).or(of_triangle);
-    let origin = origin.or_else(|| Some(smallest?.center.into()))?;
+/// Sets the coordinates of a scene, or only their origin where nothing but models says how large it is. The
+/// origin is the point that the file gives for it, or else [`seen_from`]; without a camera's position what it
+/// looks at, or else a corner of a triangle or the middle of the smallest sphere.
+fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
     let vertices = file.triangles.iter().flat_map(|triangle| triangle.vertices).map(|vertex| (vertex, 0.0));
     let balls = file.spheres.iter().map(|sphere| (sphere.center, sphere.radius)).chain(vertices);
-    let size = match (position, look_at) {
-        (Some(position), Some(look_at)) => position.distance(look_at),
-        _ => balls.map(|(center, radius)| origin.distance(center.into()) + radius).fold(0.0, f64::max),
+    let balls: Vec<(DVec3, f64)> = balls.map(|(center, radius)| (center.into(), radius)).collect();
+    let seen_from = match file.camera.as_ref() {
+        Some(camera) if camera.position.is_some() => seen_from(camera, &balls),
+        camera => {
+            let of_triangle = file.triangles.first().map(|triangle| triangle.vertices[0]);
+            let smallest = file.spheres.iter().min_by(|a, b| a.radius.total_cmp(&b.radius));
+            let look_at = camera.and_then(|camera| camera.look_at).or(of_triangle);
+            look_at.or(smallest.map(|sphere| sphere.center)).map(DVec3::from)
+        }
     };
-    Some(Coordinates::around(origin, size))
+    builder.origin = file.origin.map(DVec3::from).or(seen_from);
+    let Some(origin) = builder.origin else { return };
+    let reach = balls.iter().map(|(center, radius)| origin.distance(*center) + radius).reduce(f64::max);
+    let Some(reach) = reach else { return };
+    // What is looked at says nothing of the size where it is far beyond the scene, or right at the camera.
+    let sight = file.camera.as_ref().and_then(|camera| Some((camera.position?, camera.look_at?)));
+    let size = sight.map_or(reach, |(position, look_at)| {
+        DVec3::from(position).distance(look_at.into()).clamp(reach * LEAST_SIZE, reach)
+    });
+    builder.set_coordinates(Coordinates::around(origin, size));
+}
+
+/// The point near which a camera with a position needs single precision. It depends on the line of sight and
+/// not on the point of it that the camera looks at. What is rounded relative to the camera moves by no part of
+/// a pixel that shows, unless the field of view is narrower than [`NARROW`]: then it is the nearest point that
+/// lies in the picture, if any. `None` where only models can be.
+fn seen_from(camera: &CameraFile, balls: &[(DVec3, f64)]) -> Option<DVec3> {
+    let position = DVec3::from(camera.position?);
+    let (Some(look_at), Some(fov)) = (camera.look_at, camera.vertical_fov.filter(|&fov| fov < NARROW)) else {
+        return Some(position);
+    };
+    let sight = (DVec3::from(look_at) - position).normalize_or_zero();
+    let is_in_picture = |&&(center, radius): &&(DVec3, f64)| {
+        let along = (center - position).dot(sight);
+        (center - position - sight * along).length() + radius < along * fov.to_radians() / 2.0
+    };
+    let from_camera = |&&(center, _): &&(DVec3, f64)| position.distance_squared(center);
+    let seen = balls.iter().filter(is_in_picture).min_by(|a, b| from_camera(a).total_cmp(&from_camera(b)));
+    seen.map(|&(center, _)| center).or((!balls.is_empty()).then_some(position))
 }
 
 /// Notes spheres of glass directly inside another whose `ior` is surely not what was meant: every `ior` is
@@ -164,17 +202,30 @@ impl Faults {
     }
 }
 
-/// The camera that a file describes. `default` makes the camera whose values the file leaves out, from the
-/// position and target that the file gives.
-pub fn camera(
+/// The camera that a file describes. What the file leaves out is as in `own`, or else frames the scene.
+pub fn camera_of(
     place: &JsonPath,
     file: &CameraFile,
-    coordinates: &Coordinates,
-    default: impl FnOnce(Option<Vec3>, Option<Vec3>) -> Camera,
+    scene: &Scene,
+    own: Option<Camera>,
 ) -> Result<Camera, SceneError> {
-    let point =
-        |key: &'static str, v: Option<[f64; 3]>| v.map(|v| place.key(key).point(v, coordinates)).transpose();
-    let mut camera = default(point("position", file.position)?, point("look_at", file.look_at)?);
+    let point = |key: &'static str, v: Option<[f64; 3]>| {
+        v.map(|v| place.key(key).point(v, &scene.coordinates)).transpose()
+    };
+    let position = point("position", file.position)?;
+    let mut camera = match (own, position, file.look_at) {
+        (None, Some(position), Some(look_at)) => {
+            place.key("look_at").vec3(look_at)?;
+            let look_at = on_sight(position, scene.coordinates.to_scene(look_at.into()), scene);
+            scene.framing(Some(position), Some(look_at))
+        }
+        (None, ..) => scene.framing(position, point("look_at", file.look_at)?),
+        (Some(own), ..) => Camera {
+            position: position.unwrap_or(own.position),
+            look_at: point("look_at", file.look_at)?.unwrap_or(own.look_at),
+            ..own
+        },
+    };
     if let Some(up) = file.up {
         camera.up = place.key("up").vec3(up)?;
     }
@@ -185,6 +236,23 @@ pub fn camera(
         Some((key, what, mend)) => Err(place.key(key).error(what, mend)),
         None => Ok(camera),
     }
+}
+
+/// The point that a camera looks at, or another on the same line of sight, of which only the direction counts.
+/// A point far beyond the scene, or so near that rounding would turn the line, is moved to about the distance
+/// of the scene's primitives: a power of two, so that all such points of a line become the same.
+fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
+    let (from, (lower, upper)) = (position.as_dvec3(), scene.bounds());
+    let (sight, from_origin) = (look_at - from, from.length());
+    let reach = (from - lower).abs().max((upper - from).abs()).length();
+    if (from_origin * LEAST_SIGHT..=2.0 * reach).contains(&sight.length()) || sight.length() < MIN_LENGTH {
+        return look_at.as_vec3();
+    }
+    let mut distances: Vec<f64> = scene.all_primitives().map(|one| one.distance(from)).collect();
+    let middle = (distances.len() - 1) / 2;
+    let (_, &mut distance, _) = distances.select_nth_unstable_by(middle, f64::total_cmp);
+    let distance = distance.max(from_origin).max(reach * LEAST_SIGHT);
+    position + (sight / sight.abs().max_element()).as_vec3() * floor_to_power_of_two(distance) as f32
 }
 
 #[derive(Default)]

@@ -8,7 +8,7 @@ use super::embedded::PREFIX;
 use super::error::SceneError;
 use super::json::{JsonPath, Source};
 use super::native::{CameraFile, KeyframeFile, VIEW_FORMAT};
-use super::validate::camera;
+use super::validate::camera_of;
 use super::write;
 use octray_engine::buffers::LightChoice;
 use octray_engine::render::PipelineChoice;
@@ -197,7 +197,7 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
         scene.max_bounces = root.key("max_bounces").bounces(bounces)?;
     }
     if let Some(camera) = &file.camera {
-        scene.camera = camera_over(&root.key("camera"), camera, &scene)?;
+        scene.camera = camera_of(&root.key("camera"), camera, &scene, Some(scene.camera))?;
     }
     let view = View {
         scene: file.scene,
@@ -215,16 +215,6 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
     Ok(Loaded { scene, view: Some(view), read: None })
 }
 
-/// A camera, with what it leaves out from the scene's own.
-fn camera_over(place: &JsonPath, file: &CameraFile, scene: &Scene) -> Result<Camera, SceneError> {
-    let own = scene.camera;
-    camera(place, file, &scene.coordinates, |position, look_at| Camera {
-        position: position.unwrap_or(own.position),
-        look_at: look_at.unwrap_or(own.look_at),
-        ..own
-    })
-}
-
 /// The keyframes, whose cameras take from the scene's own what they leave out.
 fn path(place: &JsonPath, files: &[KeyframeFile], scene: &Scene) -> Result<CameraPath, SceneError> {
     let mut keyframes: Vec<Keyframe> = Vec::with_capacity(files.len());
@@ -234,7 +224,7 @@ fn path(place: &JsonPath, files: &[KeyframeFile], scene: &Scene) -> Result<Camer
             let what = format!("frame {} comes after a frame that is not before it", file.frame);
             return Err(place.key("frame").error(what, "write the keyframes in ascending order"));
         }
-        let camera = camera_over(&place.key("camera"), &file.camera, scene)?;
+        let camera = camera_of(&place.key("camera"), &file.camera, scene, Some(scene.camera))?;
         keyframes.push(Keyframe { frame: file.frame, camera });
     }
     Ok(CameraPath::new(keyframes))

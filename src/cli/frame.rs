@@ -58,10 +58,10 @@ impl FrameOptions {
         if self.as_scene { Ok(()) } else { memory::check(self.size, bytes_per_pixel) }
     }
 
-    /// Loads a scene with its warnings, checks the memory of its own size, and says where a method tests
+    /// Loads a scene with its warnings and for the reference, checks the memory of its own size, and says where a method tests
     /// every primitive.
     pub fn load(&self, name: &OsStr, bytes_per_pixel: usize) -> Result<(Loaded, Settings), CliError> {
-        let scene = scenes::load_with_warnings(name)?;
+        let scene = scenes::load_as(name, true).inspect(scenes::print_warnings)?;
         let settings = self.settings(&scene);
         if self.as_scene {
             memory::check(settings.resolution, bytes_per_pixel)?;

@@ -13,7 +13,12 @@ use std::fmt::Display;
 /// Loads a scene by name. Every command refuses a view with numbers out of range, also a command that does
 /// not use them.
 pub fn load(name: &OsStr) -> Result<Loaded, CliError> {
-    let scene = scene::load_with_view(name)?;
+    load_as(name, false)
+}
+
+/// Loads a scene by name; if `unrounded`, for the reference.
+pub fn load_as(name: &OsStr, unrounded: bool) -> Result<Loaded, CliError> {
+    let scene = scene::load_as(name, unrounded)?;
     let view = of_view(&scene);
     check(&scene, "samples", view.samples, samples)?;
     check(&scene, "exposure", view.exposure, exposure)?;
@@ -35,9 +40,12 @@ fn check<T: Display>(
 
 /// Loads a scene by name, and prints its warnings.
 pub fn load_with_warnings(name: &OsStr) -> Result<Loaded, CliError> {
-    let scene = load(name)?;
+    load(name).inspect(print_warnings)
+}
+
+/// Prints the warnings of a scene.
+pub fn print_warnings(scene: &Loaded) {
     scene.warnings.iter().for_each(|warning| terminal::warn(warning));
-    Ok(scene)
 }
 
 /// The names given, or those of `built_in` scenes if none is given.

@@ -23,6 +23,8 @@ pub struct Scene {
     pub name: String,
     /// Where its coordinates stand in its file.
     pub coordinates: Coordinates,
+    /// Its points before they were rounded, if the scene was loaded for the reference.
+    pub unrounded: Option<Box<Unrounded>>,
     /// Where it is seen from.
     pub camera: Camera,
     /// Pixels: width, height; each from 1 to [`MAX_SIDE`].
@@ -50,6 +52,15 @@ pub struct Scene {
     /// The files that the scene was read from and those that were not found, each path once and as given: the
     /// scene file first; after a view, the scene that it names. Empty for built-in scenes.
     pub files: Vec<PathBuf>,
+}
+
+/// What a scene's file says of its primitives' geometry, in the scene's [`Coordinates`] but in double precision.
+#[derive(Clone, Debug, Default)]
+pub struct Unrounded {
+    /// Centres and radii.
+    pub spheres: Vec<(DVec3, f64)>,
+    /// Vertices.
+    pub triangles: Vec<[DVec3; 3]>,
 }
 
 impl Scene {

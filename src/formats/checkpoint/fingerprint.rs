@@ -35,6 +35,7 @@ impl Fingerprint {
         let Scene {
             name: _,
             coordinates: _,
+            unrounded: _,
             camera,
             resolution: _,
             max_bounces: _,

@@ -12,7 +12,7 @@ use super::texture::Textures;
 use super::vertex_colors::VertexColors;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use octray_engine::scene::{
-    Camera, Coordinates, Filter, Material, MaterialKind, Scene, Sky, TexelKind, Triangle,
+    Camera, Coordinates, Filter, Material, MaterialKind, Scene, Sky, Sphere, TexelKind, Triangle,
 };
 use std::path::Path;
 
@@ -63,6 +63,7 @@ impl SceneBuilder {
     pub fn new(files: &Files) -> Self {
         let mut builder = Self::default();
         builder.textures.files = files.clone();
+        builder.scene.unrounded = files.unrounded.then(Box::default);
         builder
     }
     pub fn files(&self) -> &Files {
@@ -110,11 +111,17 @@ impl SceneBuilder {
             (placement.scale / coordinates.unit, coordinates.to_scene(placement.translate));
         Placement { rotation: placement.rotation, scale, translate }
     }
-    /// Adds a triangle and returns true, or returns false because it has no area. Texture coordinates are
+    /// Adds a sphere, and its centre and radius before they were rounded.
+    pub fn add_sphere(&mut self, sphere: Sphere, unrounded: (DVec3, f64)) {
+        self.scene.spheres.push(sphere);
+        self.scene.unrounded.iter_mut().for_each(|all| all.spheres.push(unrounded));
+    }
+    /// Adds a triangle and returns true, or returns false because it has no area in single precision. Texture coordinates are
     /// kept only if the material has textures, and vertex normals only if they differ from the geometric
     /// normal. Vertex colours are kept where the material can be [`Self::colored`].
     #[must_use]
-    pub fn add_triangle(&mut self, vertices: [Vec3; 3], material: u32, attributes: Attributes) -> bool {
+    pub fn add_triangle(&mut self, unrounded: [DVec3; 3], material: u32, attributes: Attributes) -> bool {
+        let vertices = unrounded.map(DVec3::as_vec3);
         if !has_area(&vertices) {
             return false;
         }
@@ -134,6 +141,7 @@ impl SceneBuilder {
         push_at(&mut self.scene.uvs, before, uvs);
         push_at(&mut self.scene.normals, before, normals);
         self.scene.triangles.push(Triangle { vertices, material });
+        self.scene.unrounded.iter_mut().for_each(|all| all.triangles.push(unrounded));
         true
     }
     /// The variant of a material whose triangles have vertex colours, which multiply the emission of an
@@ -262,7 +270,7 @@ const FLAT: f64 = 0.77;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::scene::{Side, Sphere};
+    use octray_engine::scene::Side;
 
     #[test]
     fn room_ends_at_the_limits_of_a_scene() {
@@ -270,7 +278,7 @@ mod tests {
         let material = builder.default_material();
         let (center, radius, texture_side, texture_turn) = (Vec3::ZERO, 1.0, Side::Outside, 0.0);
         builder.scene.spheres.push(Sphere { center, radius, material, texture_side, texture_turn });
-        assert!(builder.add_triangle([Vec3::ZERO, Vec3::X, Vec3::Y], material, Attributes::default()));
+        assert!(builder.add_triangle([DVec3::ZERO, DVec3::X, DVec3::Y], material, Attributes::default()));
         assert!(builder.check_room(MAX_PRIMITIVES - 2).is_ok());
         let error = builder.check_room(MAX_PRIMITIVES - 1).unwrap_err();
         assert_eq!(error.what, "the scene holds 268435457 spheres and triangles");

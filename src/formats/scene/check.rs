@@ -109,12 +109,12 @@ impl JsonPath<'_> {
         self.each(v, |place, x| place.number(x)).map(Vec3::from)
     }
 
-    /// A point of the file.
-    pub fn point(&self, point: [f64; 3], coordinates: &Coordinates) -> Result<Vec3, SceneError> {
+    /// A point of the file, as it is in the scene before it is rounded.
+    pub fn point(&self, point: [f64; 3], coordinates: &Coordinates) -> Result<DVec3, SceneError> {
         self.vec3(point)?;
         let placed = coordinates.to_scene(DVec3::from(point));
         if is_near(placed) {
-            Ok(placed.as_vec3())
+            Ok(placed)
         } else {
             Err(self.error(format!("{point:?} is too far away"), near(coordinates)))
         }
@@ -162,7 +162,7 @@ impl JsonPath<'_> {
         self.each(color, |place, x| place.not_negative(x)).map(Vec3::from)
     }
 
-    pub fn radius(&self, x: f64, coordinates: &Coordinates) -> Result<f32, SceneError> {
+    pub fn radius(&self, x: f64, coordinates: &Coordinates) -> Result<f64, SceneError> {
         self.number(x)?;
         let radius = x / coordinates.unit;
         if radius < MIN_LENGTH {
@@ -181,7 +181,7 @@ impl JsonPath<'_> {
         if radius > MAX_COORDINATE {
             return Err(self.error(format!("the radius {x:e} is too large"), near(coordinates)));
         }
-        Ok(radius as f32)
+        Ok(radius)
     }
 
     pub fn resolution(&self, resolution: [u32; 2]) -> Result<[u32; 2], SceneError> {

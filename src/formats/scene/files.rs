@@ -36,6 +36,8 @@ pub struct Files {
     /// Where relative paths start; `None` inside the program.
     folder: Option<PathBuf>,
     reading: Rc<Reading>,
+    /// Whether the scene keeps its points as they are before they are rounded: for the reference.
+    pub unrounded: bool,
     /// The names in a folder.
     listing: fn(&Path) -> Vec<OsString>,
     requested: Rc<RefCell<Requested>>,
@@ -53,7 +55,8 @@ struct Requested {
 impl Default for Files {
     fn default() -> Self {
         let reading = |path: &Path| Ok(embedded::file(path).ok_or(ErrorKind::NotFound)?.to_vec());
-        Self { folder: None, reading: Rc::new(reading), listing: |_| Vec::new(), requested: Rc::default() }
+        let (reading, requested) = (Rc::new(reading), Rc::default());
+        Self { folder: None, reading, unrounded: false, listing: |_| Vec::new(), requested }
     }
 }
 
@@ -65,6 +68,10 @@ impl Files {
     /// The files beside `file`, from a function.
     pub fn given(file: &Path, reading: Rc<Reading>) -> Self {
         Self { reading, ..Self::default() }.beside_other(file)
+    }
+    /// The same for a scene that keeps its points unrounded, or not.
+    pub fn keeping(self, unrounded: bool) -> Self {
+        Self { unrounded, ..self }
     }
     /// The files beside another file, from where these come from.
     pub fn beside_other(&self, file: &Path) -> Self {

@@ -1,6 +1,6 @@
 //! From a name on the command line to a [`Scene`].
 //!
-//! For: [`load`], [`load_with_view`], [`load_from`], and [`may_be_scene`].
+//! For: [`load`], [`load_with_view`], [`load_as`], [`load_from`], and [`may_be_scene`].
 
 use super::embedded::{self, PREFIX};
 use super::error::SceneError;
@@ -30,10 +30,16 @@ pub fn load(spec: &(impl AsRef<OsStr> + ?Sized)) -> Result<Scene, SceneError> {
 /// or .ply; framed automatically under a plain sky), or the path of a .json file in the native format or the
 /// thesis's, or of a view of any of these.
 pub fn load_with_view(spec: &(impl AsRef<OsStr> + ?Sized)) -> Result<Loaded, SceneError> {
-    let path = Path::new(spec.as_ref());
+    load_as(spec.as_ref(), false)
+}
+
+/// Loads a scene as [`load_with_view`] does; if `unrounded`, with what the reference reads: its points also
+/// as they are before they are rounded to single precision.
+pub fn load_as(spec: &OsStr, unrounded: bool) -> Result<Loaded, SceneError> {
+    let path = Path::new(spec);
     let name = path.to_string_lossy();
     if let Some(name) = name.strip_prefix(PREFIX) {
-        return built_in(name).map(Loaded::from);
+        return built_in(name, unrounded).map(Loaded::from);
     }
     if !may_be_scene(path) {
         let mend = match builtin_like(&name) {
@@ -50,7 +56,8 @@ pub fn load_with_view(spec: &(impl AsRef<OsStr> + ?Sized)) -> Result<Loaded, Sce
         return Err(SceneError::new(what).in_file(path).mend(mend));
     }
     let start = SystemTime::now();
-    from_named(path, Files::beside(path)).map(|loaded| Loaded { read: Some(start), ..loaded })
+    from_named(path, Files::beside(path).keeping(unrounded))
+        .map(|loaded| Loaded { read: Some(start), ..loaded })
 }
 
 /// Loads a scene as [`load_with_view`] does, from files that are not on disk: `read` has the content of the
@@ -174,7 +181,7 @@ fn viewed(place: &JsonPath, files: &Files, spec: &str) -> Result<Scene, SceneErr
     const MEND: &str = "give the path of a scene (.json) or a model (.obj, .gltf, .glb, .ply) relative to the \
                         view, or `builtin:NAME`";
     if let Some(name) = spec.strip_prefix(PREFIX) {
-        return built_in(name)
+        return built_in(name, files.unrounded)
             .map_err(|error| place.error(error.what, error.mend.unwrap_or_else(|| MEND.into())));
     }
     let path = files.resolve(spec);
@@ -197,11 +204,12 @@ fn viewed(place: &JsonPath, files: &Files, spec: &str) -> Result<Scene, SceneErr
 }
 
 /// The built-in or generated scene of a name without its prefix.
-fn built_in(name: &str) -> Result<Scene, SceneError> {
+fn built_in(name: &str, unrounded: bool) -> Result<Scene, SceneError> {
     if let Some(scene) = procedural::scene(name)? {
         return Ok(scene);
     }
     let spec = format!("{PREFIX}{name}");
+    let files = Files::default().keeping(unrounded);
     let text = embedded::scene(name).ok_or_else(|| {
         let guess = builtin_like(name).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
         let made = procedural::words().map(|word| format!("{word}:N"));
@@ -209,7 +217,7 @@ fn built_in(name: &str) -> Result<Scene, SceneError> {
         let mend = format!("{guess}the names are {}", names.join(", "));
         SceneError::new(format!("there is no scene `{spec}`")).mend(mend)
     })?;
-    match from_json(Source { file: Path::new(&spec), text }, &Files::default(), spec.clone())? {
+    match from_json(Source { file: Path::new(&spec), text }, &files, spec.clone())? {
         Content::Scene(scene) => Ok(scene),
         Content::View(..) => unreachable!("no built-in scene is a view"),
     }

@@ -270,8 +270,7 @@ impl Tally {
             return Err(Unusable::TooFar(builder.scene.coordinates.to_file(outside)));
         }
         let normals = attributes.normals.filter(|normals| !normals.contains(&Vec3::ZERO));
-        match builder.add_triangle(points.map(DVec3::as_vec3), material, Attributes { normals, ..attributes })
-        {
+        match builder.add_triangle(points, material, Attributes { normals, ..attributes }) {
             true => self.with_area += 1,
             false => self.without_area += 1,
         }

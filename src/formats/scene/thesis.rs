@@ -155,16 +155,16 @@ fn camera([width, height]: [u32; 2]) -> Camera {
     let (sin, cos) = portable::sin_cos(YAW);
     let target = CAMERA + DVec3::new(cos / sin, 0.0, 1.0) * -CAMERA.z;
     Camera {
-        position: inverted(CAMERA),
-        look_at: inverted(target),
+        position: inverted(CAMERA).as_vec3(),
+        look_at: inverted(target).as_vec3(),
         up: Vec3::Y,
         vertical_fov: (2.0 * portable::atan(half_height)).to_degrees() as f32,
     }
 }
 
 /// A thesis point in our axes. Subtracting from zero leaves no negative zeros.
-fn inverted(p: DVec3) -> Vec3 {
-    (DVec3::ZERO - p).as_vec3()
+fn inverted(p: DVec3) -> DVec3 {
+    DVec3::ZERO - p
 }
 
 #[derive(Default)]
@@ -181,16 +181,18 @@ impl Loader {
         let &SphereFile { center, radius, color, emission, roughness, ref texture, .. } = file;
         place.key("center").vec3(center)?;
         let surface = Surface { color, emission, roughness, texture: texture.as_ref() };
+        let radius = place.key("radius").radius(radius, &Coordinates::default())?;
+        let center = inverted(center.into());
         let sphere = Sphere {
-            center: inverted(DVec3::from(center)),
-            radius: place.key("radius").radius(radius, &Coordinates::default())?,
+            center: center.as_vec3(),
+            radius: radius as f32,
             material: self.material(&surface, place)?,
             texture_turn: 0.5,
             // The thesis's program maps every sphere's texture as seen from inside: right for skies, mirrored
             // on balls.
             texture_side: Side::Inside,
         };
-        self.builder.scene.spheres.push(sphere);
+        self.builder.add_sphere(sphere, (center, radius));
         Ok(())
     }
     /// Returns false for a triangle without area.

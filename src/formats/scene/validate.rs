@@ -24,8 +24,8 @@ use octray_engine::scene::{
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Fields of view below this, in degrees, are so narrow that what is rounded relative to the camera moves by
-/// parts of a pixel that show.
+/// Degrees of a field of view so narrow that what is rounded relative to the camera moves by parts of a pixel
+/// that show.
 const NARROW: f64 = 1.0;
 /// The shortest distance to a point that the camera looks at, in distances from the camera to the origin, or
 /// to the end of the scene.
@@ -97,50 +97,40 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
 }
 
 /// Sets the coordinates of a scene, or only their origin where nothing but models says how large it is. The
-/// origin is the point that the file gives for it, or else [`seen_from`]; without a camera's position what it
-/// looks at, or else a corner of a triangle or the middle of the smallest sphere.
+/// origin is the point that the file gives for it, or where the camera stands: what is rounded relative to
+/// that moves by no part of a pixel that shows, unless the field of view is [`NARROW`]; then it is the nearest
+/// point in the picture. Without a camera's position it is what the camera looks at, a corner of a triangle or
+/// the middle of the smallest sphere. So it does not depend on which point of the line of sight is named.
 fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
+    let camera = file.camera.as_ref().map_or([None; 2], |camera| [camera.position, camera.look_at]);
+    let [position, look_at] = camera.map(|point| point.map(DVec3::from));
     let vertices = file.triangles.iter().flat_map(|triangle| triangle.vertices).map(|vertex| (vertex, 0.0));
     let balls = file.spheres.iter().map(|sphere| (sphere.center, sphere.radius)).chain(vertices);
     let balls: Vec<(DVec3, f64)> = balls.map(|(center, radius)| (center.into(), radius)).collect();
-    let seen_from = match file.camera.as_ref() {
-        Some(camera) if camera.position.is_some() => seen_from(camera, &balls),
-        camera => {
-            let of_triangle = file.triangles.first().map(|triangle| triangle.vertices[0]);
+    let fov = file.camera.as_ref().and_then(|camera| camera.vertical_fov).filter(|&fov| fov < NARROW);
+    let seen = match (position, look_at, fov) {
+        (Some(position), Some(look_at), Some(fov)) => {
+            let sight = (look_at - position).normalize_or_zero();
+            let (along, distance) = (|c: DVec3| (c - position).dot(sight), |c: DVec3| c.distance(position));
+            let off_axis = |c: DVec3| (c - position - sight * along(c)).length();
+            let shown = balls.iter().filter(|&&(c, r)| off_axis(c) + r < along(c) * fov.to_radians() / 2.0);
+            let nearest = shown.min_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).map(|ball| ball.0);
+            nearest.or((!balls.is_empty()).then_some(position))
+        }
+        (Some(position), ..) => Some(position),
+        (None, ..) => {
             let smallest = file.spheres.iter().min_by(|a, b| a.radius.total_cmp(&b.radius));
-            let look_at = camera.and_then(|camera| camera.look_at).or(of_triangle);
-            look_at.or(smallest.map(|sphere| sphere.center)).map(DVec3::from)
+            let of_triangle = file.triangles.first().map(|triangle| triangle.vertices[0].into());
+            look_at.or(of_triangle).or(smallest.map(|sphere| sphere.center.into()))
         }
     };
-    builder.origin = file.origin.map(DVec3::from).or(seen_from);
+    builder.origin = file.origin.map(DVec3::from).or(seen);
     let Some(origin) = builder.origin else { return };
     let reach = balls.iter().map(|(center, radius)| origin.distance(*center) + radius).reduce(f64::max);
-    let Some(reach) = reach else { return };
-    // What is looked at says nothing of the size where it is far beyond the scene, or right at the camera.
-    let sight = file.camera.as_ref().and_then(|camera| Some((camera.position?, camera.look_at?)));
-    let size = sight.map_or(reach, |(position, look_at)| {
-        DVec3::from(position).distance(look_at.into()).clamp(reach * LEAST_SIZE, reach)
-    });
-    builder.set_coordinates(Coordinates::around(origin, size));
-}
-
-/// The point near which a camera with a position needs single precision. It depends on the line of sight and
-/// not on the point of it that the camera looks at. What is rounded relative to the camera moves by no part of
-/// a pixel that shows, unless the field of view is narrower than [`NARROW`]: then it is the nearest point that
-/// lies in the picture, if any. `None` where only models can be.
-fn seen_from(camera: &CameraFile, balls: &[(DVec3, f64)]) -> Option<DVec3> {
-    let position = DVec3::from(camera.position?);
-    let (Some(look_at), Some(fov)) = (camera.look_at, camera.vertical_fov.filter(|&fov| fov < NARROW)) else {
-        return Some(position);
-    };
-    let sight = (DVec3::from(look_at) - position).normalize_or_zero();
-    let is_in_picture = |&&(center, radius): &&(DVec3, f64)| {
-        let along = (center - position).dot(sight);
-        (center - position - sight * along).length() + radius < along * fov.to_radians() / 2.0
-    };
-    let from_camera = |&&(center, _): &&(DVec3, f64)| position.distance_squared(center);
-    let seen = balls.iter().filter(is_in_picture).min_by(|a, b| from_camera(a).total_cmp(&from_camera(b)));
-    seen.map(|&(center, _)| center).or((!balls.is_empty()).then_some(position))
+    // A point far beyond the scene, or right at the camera, says nothing of its size.
+    let sight = position.zip(look_at).map(|(position, look_at)| position.distance(look_at));
+    let size = reach.map(|reach| sight.map_or(reach, |sight| sight.clamp(reach * LEAST_SIZE, reach)));
+    size.into_iter().for_each(|size| builder.set_coordinates(Coordinates::around(origin, size)));
 }
 
 /// Notes spheres of glass directly inside another whose `ior` is surely not what was meant: every `ior` is
@@ -210,22 +200,20 @@ pub fn camera_of(
     own: Option<Camera>,
 ) -> Result<Camera, SceneError> {
     let point = |key: &'static str, v: Option<[f64; 3]>| {
-        v.map(|v| place.key(key).point(v, &scene.coordinates)).transpose()
+        let point = v.map(|v| place.key(key).point(v, &scene.coordinates)).transpose()?;
+        Ok(point.map(|point| point.as_vec3()))
     };
     let position = point("position", file.position)?;
-    let mut camera = match (own, position, file.look_at) {
+    let look_at = match (own, position, file.look_at) {
         (None, Some(position), Some(look_at)) => {
             place.key("look_at").vec3(look_at)?;
-            let look_at = on_sight(position, scene.coordinates.to_scene(look_at.into()), scene);
-            scene.framing(Some(position), Some(look_at))
+            Some(on_sight(position, scene.coordinates.to_scene(look_at.into()), scene))
         }
-        (None, ..) => scene.framing(position, point("look_at", file.look_at)?),
-        (Some(own), ..) => Camera {
-            position: position.unwrap_or(own.position),
-            look_at: point("look_at", file.look_at)?.unwrap_or(own.look_at),
-            ..own
-        },
+        _ => point("look_at", file.look_at)?,
     };
+    let mut camera = own.unwrap_or_else(|| scene.framing(position, look_at));
+    (camera.position, camera.look_at) =
+        (position.unwrap_or(camera.position), look_at.unwrap_or(camera.look_at));
     if let Some(up) = file.up {
         camera.up = place.key("up").vec3(up)?;
     }
@@ -240,7 +228,7 @@ pub fn camera_of(
 
 /// The point that a camera looks at, or another on the same line of sight, of which only the direction counts.
 /// A point far beyond the scene, or so near that rounding would turn the line, is moved to about the distance
-/// of the scene's primitives: a power of two, so that all such points of a line become the same.
+/// of the scene's primitives: by a power of two, so that all such points of a line become the same.
 fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
     let (from, (lower, upper)) = (position.as_dvec3(), scene.bounds());
     let (sight, from_origin) = (look_at - from, from.length());
@@ -248,11 +236,9 @@ fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
     if (from_origin * LEAST_SIGHT..=2.0 * reach).contains(&sight.length()) || sight.length() < MIN_LENGTH {
         return look_at.as_vec3();
     }
-    let mut distances: Vec<f64> = scene.all_primitives().map(|one| one.distance(from)).collect();
-    let middle = (distances.len() - 1) / 2;
-    let (_, &mut distance, _) = distances.select_nth_unstable_by(middle, f64::total_cmp);
-    let distance = distance.max(from_origin).max(reach * LEAST_SIGHT);
-    position + (sight / sight.abs().max_element()).as_vec3() * floor_to_power_of_two(distance) as f32
+    let farthest = scene.all_primitives().map(|one| one.distance(from)).fold(from_origin, f64::max);
+    let distance = floor_to_power_of_two(farthest.max(reach * LEAST_SIGHT));
+    position + (sight / sight.abs().max_element()).as_vec3() * distance as f32
 }
 
 #[derive(Default)]
@@ -294,17 +280,19 @@ impl<'a> Loader<'a> {
 
     fn add_sphere(&mut self, file: &SphereFile, place: &JsonPath) -> Result<(), SceneError> {
         let coordinates = self.builder.scene.coordinates;
+        let center = place.key("center").point(file.center, &coordinates)?;
+        let radius = place.key("radius").radius(file.radius, &coordinates)?;
         let sphere = Sphere {
             texture_turn: place.key("turn_degrees").turns(file.turn_degrees)?,
-            center: place.key("center").point(file.center, &coordinates)?,
-            radius: place.key("radius").radius(file.radius, &coordinates)?,
+            center: center.as_vec3(),
+            radius: radius as f32,
             material: self.material(file.material.as_ref(), place)?,
             texture_side: match file.picture_from {
                 Some(SideFile::Inside) => Side::Inside,
                 Some(SideFile::Outside) | None => Side::Outside,
             },
         };
-        self.builder.scene.spheres.push(sphere);
+        self.builder.add_sphere(sphere, (center, radius));
         Ok(())
     }
 
@@ -325,7 +313,7 @@ impl<'a> Loader<'a> {
         if self.builder.add_triangle(vertices, material, Attributes { uvs, normals, colors }) {
             return Ok(());
         }
-        let [a, b, c] = vertices;
+        let [a, b, c] = vertices.map(DVec3::as_vec3);
         let why = match a == b || b == c || c == a {
             true => "two of its vertices are the same in single precision",
             false => "its vertices lie on one line",

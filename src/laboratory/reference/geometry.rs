@@ -65,12 +65,16 @@ impl Primitive for Shape {
     }
 }
 
-/// The primitives of a scene by their numbers; every single-precision number converts exactly.
+/// The primitives of a scene by their numbers, as its file has them, or else as the scene does: every
+/// single-precision number converts exactly.
 pub(super) fn primitives(scene: &Scene) -> Vec<Shape> {
-    let spheres = scene.spheres.iter().map(|sphere| {
+    let exact = scene.unrounded.as_ref();
+    let spheres = scene.spheres.iter().enumerate().map(|(index, sphere)| {
+        let rounded = (sphere.center.as_dvec3(), f64::from(sphere.radius));
+        let (center, radius) = exact.map_or(rounded, |exact| exact.spheres[index]);
         Shape::Sphere(Sphere {
-            center: sphere.center.as_dvec3(),
-            radius: f64::from(sphere.radius),
+            center,
+            radius,
             turn: f64::from(sphere.texture_turn),
             picture_from: sphere.texture_side,
             material: sphere.material as usize,
@@ -78,8 +82,9 @@ pub(super) fn primitives(scene: &Scene) -> Vec<Shape> {
     });
     let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| {
         let (uvs, normals) = (scene.uvs.get(index), scene.normals.get(index));
+        let rounded = triangle.vertices.map(|vertex| vertex.as_dvec3());
         Shape::Triangle(Triangle {
-            vertices: triangle.vertices.map(|vertex| vertex.as_dvec3()),
+            vertices: exact.map_or(rounded, |exact| exact.triangles[index]),
             uvs: uvs.map_or([DVec2::ZERO; 3], |uvs| uvs.map(|uv| uv.as_dvec2())),
             normals: normals.map_or([DVec3::ZERO; 3], |normals| normals.map(|n| n.as_dvec3())),
             material: triangle.material as usize,

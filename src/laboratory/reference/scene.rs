@@ -15,7 +15,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Copies the scene; every single-precision number converts exactly.
+    /// Copies the scene. Points are those of its file if it was loaded so ([`Scene::unrounded`]).
     pub fn new(scene: &Scene) -> Self {
         Self {
             camera: scene.camera,

@@ -1,7 +1,8 @@
 //! Whether a single-precision hit is as accurate as single precision allows.
 //!
-//! Below, ε = 2⁻²⁴ is the largest relative error of one rounding in f32. Origin, direction, centres, radii
-//! and vertices are f32 numbers and so exact. Distances are in scene units: `t` times the length of the
+//! Below, ε = 2⁻²⁴ is the largest relative error of one rounding in f32. Origin and direction are f32 numbers
+//! and so exact; centres, radii and vertices are those of the scene's file, where the reference has them, so
+//! that what their rounding moves by more than these bounds is wrong. Distances are in scene units: `t` times the length of the
 //! direction. The bounds add the first-order errors of a kernel's steps; they hold while no product of
 //! lengths over- or underflows (lengths from 10⁻¹⁸ to 10¹⁸).
 //!

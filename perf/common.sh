@@ -11,9 +11,11 @@ say() { echo "$(basename "$0"): $*" >&2; }
 # Prints the comment at the head of the running script.
 usage() { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; }
 
-# build FLAGS FOLDER: compiles octray with symbols and line tables; its path is then in $octray.
+# build FLAGS FOLDER: compiles octray with symbols and line tables, and shows what cargo says; the program's path
+# is then in $octray.
 build() {
-    (cd "$root" && RUSTFLAGS="$1" cargo build --quiet --profile profiling --target-dir "$2" --bin octray)
+    say "building octray with symbols in $2/profiling: minutes the first time"
+    (cd "$root" && RUSTFLAGS="$1" cargo build --profile profiling --target-dir "$2" --bin octray)
     # shellcheck disable=SC2034
     octray=$2/profiling/octray
 }

@@ -3,8 +3,8 @@
 #
 #   perf/record.sh [--graph FILE.svg] [COMMAND...]
 #
-# COMMAND is any command line of octray [default: rays builtin:knot:100000 --traversal hybrid --threads 1].
-# The graph is target/profiling/flame.svg by default; a browser opens it. perf/README.md explains how to read
+# COMMAND is any command line of octray [default: render builtin:knot:100000 --samples 256 --threads 1 -o
+# target/profiling/knot.exr]. The graph is target/profiling/flame.svg by default; a browser opens it. perf/README.md explains how to read
 # both. Exits with 1 if there is no graph, with 2 if perf is missing or refused.
 set -euo pipefail
 # shellcheck source=perf/common.sh
@@ -19,7 +19,8 @@ case ${1:-} in
     shift 2
     ;;
 esac
-[ $# -gt 0 ] || set -- rays "$default_scene" --traversal hybrid --threads 1
+# Rendering hardly runs anything but the engine; `rays` also compares the hits of each pass.
+[ $# -gt 0 ] || set -- render "$default_scene" --samples 256 --threads 1 -o "$root/target/profiling/knot.exr"
 
 perf_works || exit 2
 if has_counters; then

@@ -1,7 +1,7 @@
 //! `octray compare`: checks SIMD against scalar, bit by bit, and both against the f64 reference; or prints
 //! hashes of films, to compare machines and builds.
 
-use super::error::{CliError, checked};
+use super::error::CliError;
 use super::frame::FrameOptions;
 use super::numbers::{samples, threads};
 use super::scenes;
@@ -98,23 +98,21 @@ fn hash(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCo
 fn compare_all(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCode, CliError> {
     terminal::warn_of_debug_build("compare");
     let (schema, settings) = ("octray-compare-1", options.run_settings());
-    let mut report = Report { schema, settings, reliable: false, results: Vec::new() };
+    let mut report = Report { schema, settings, reliable: false, results: Vec::new(), failed: false };
     let defaults = Options::parse_from(["compare"]).run_settings();
-    let mut failed = false;
     for spec in scenes {
         let (scene, settings) = options.load(&spec)?;
         if report.results.is_empty() {
             out.text(&heading(&report, &defaults))?;
         }
         let comparison = compare(&scene, settings, options.samples, true);
-        failed |= comparison.failed(settings.methods);
+        report.failed |= comparison.failed(settings.methods);
         out.text(&row(&comparison))?;
         report.results.push(comparison);
     }
     let doubt = doubt(&report.results);
     report.reliable = doubt.is_none() && !cfg!(debug_assertions);
     out.text(&meaning(&report))?;
-    out.report(&report)?;
     doubt.iter().for_each(|warning| terminal::warn(warning));
-    Ok(checked(failed))
+    out.end(&report)
 }

@@ -1,6 +1,6 @@
 //! `octray rays`: rays per second, by kind of ray and traversal.
 
-use super::error::{CliError, checked};
+use super::error::CliError;
 use super::groups::{SCENE, choice, one_of};
 use super::numbers::{seed, size, threads, whole};
 use super::ray_dump;
@@ -124,24 +124,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     building.extend(threads.iter().filter(|&&threads| threads > 1));
     let (hierarchy, builds) = rays::build(&scene, &building, FEWEST_BUILDS);
     let tree = check_scene(&hierarchy.bvh, &scene);
-    let mut report = Report {
-        schema: "octray-rays-1",
-        settings: options.run_settings(),
-        reliable: false,
-        scene: scene.name.clone(),
-        triangles: scene.triangles.len(),
-        spheres: scene.spheres.len(),
-        width: options.size[0],
-        height: options.size[1],
-        build_ms: builds[0].ms,
-        builds,
-        bvh_bytes: hierarchy.bytes(),
-        fault: tree.as_ref().err().cloned(),
-        tree: tree.ok(),
-        results: Vec::new(),
-        stats: options.stats.then(Vec::new),
-        left_out: Vec::new(),
-    };
+    let mut report = Report::new(options.run_settings(), &scene, builds, hierarchy.bytes(), tree);
+    report.stats = options.stats.then(Vec::new);
     // The widths follow from the traversals.
     let lanes = report.settings.lanes.clone();
     let defaults = RunSettings { lanes, ..Options::parse_from(["rays", ""]).run_settings() };
@@ -179,7 +163,6 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     }
     let warning = warning(&report.results);
     report.reliable = warning.is_none() && !cfg!(debug_assertions);
-    out.report(&report)?;
     warning.iter().for_each(|sentence| terminal::warn(sentence));
-    Ok(checked(report.fault.is_some() || report.results.iter().any(|result| result.disagreements > 0)))
+    out.end(&report)
 }

@@ -1,10 +1,9 @@
 //! `octray stability`: where methods fail, as a table, as JSON and as charts.
 
-use super::error::{CliError, checked};
+use super::error::CliError;
 use super::interrupt;
 use super::progress;
 use super::terminal::Printer;
-use crate::machine::Machine;
 use crate::measure::stability::{self, Effort, TestCase, test_cases};
 use crate::output::{self, Existing};
 use crate::report::stability::{Report, drawings, table, verdict};
@@ -59,13 +58,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let tasks = progress::tasks(test_cases.iter().map(|test_case| test_case.points()).sum());
     let test_cases = stability::run(&test_cases, effort, &|| tasks.inc(1));
     tasks.finish_and_clear();
-    let report = Report {
-        schema: "octray-stability-1",
-        machine: Machine::current(),
-        thorough: options.thorough,
-        holds: test_cases.iter().all(|outcome| outcome.holds),
-        test_cases,
-    };
+    let report = Report::new(options.thorough, test_cases);
     if let Some(folder) = &options.output {
         write(folder, &report)?;
     }
@@ -75,8 +68,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if let Some(folder) = &options.output {
         out.text(&format!("\nCharts and {JSON} are in {}.\n", folder.display()))?;
     }
-    out.report(&report)?;
-    Ok(checked(!report.holds))
+    out.end(&report)
 }
 
 fn write(folder: &Path, report: &Report) -> Result<(), CliError> {

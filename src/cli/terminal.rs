@@ -1,10 +1,10 @@
 //! The only writer to standard output and standard error. It never panics when the other end is closed.
-//!
-//! For: [`print()`], [`Printer`], [`note`], [`warn`], [`warn_of_debug_build`].
 
-use super::error::CliError;
+use super::error::{CliError, checked};
+use crate::report::Checked;
 use serde::Serialize;
 use std::io::{self, Write};
+use std::process::ExitCode;
 
 /// Writes text to standard output.
 pub fn print(text: &str) -> Result<(), CliError> {
@@ -31,6 +31,12 @@ impl Printer {
         }
         let text = serde_json::to_string_pretty(report).map_err(|error| CliError::Stdout(error.into()))?;
         print(&(text + "\n"))
+    }
+
+    /// Prints the report as [`Printer::report`] does; returns the exit code of its checks.
+    pub fn end(self, report: &(impl Serialize + Checked)) -> Result<ExitCode, CliError> {
+        self.report(report)?;
+        Ok(checked(report.has_failed()))
     }
 }
 

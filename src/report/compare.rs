@@ -1,7 +1,6 @@
 //! What `octray compare` reports, as a table or as JSON.
-//!
-//! For: [`Report`], [`HashReport`].
 
+use super::Checked;
 use super::numbers::ratio;
 use super::settings::{RunSettings, traversals};
 use super::text;
@@ -22,6 +21,15 @@ pub struct Report {
     pub reliable: bool,
     /// One a scene.
     pub results: Vec<Comparison>,
+    /// Whether a comparison failed, by the methods of its scene.
+    #[serde(skip)]
+    pub failed: bool,
+}
+
+impl Checked for Report {
+    fn has_failed(&self) -> bool {
+        self.failed
+    }
 }
 
 /// The JSON report of `--hash`.

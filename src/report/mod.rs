@@ -34,3 +34,9 @@ pub(crate) mod stability;
 pub(crate) mod stats;
 pub(crate) mod tables;
 pub(crate) mod text;
+
+/// A report of checks.
+pub(crate) trait Checked {
+    /// Whether a check failed.
+    fn has_failed(&self) -> bool;
+}

@@ -1,13 +1,13 @@
 //! What `octray rays` reports: rays per second, as a table or as JSON.
-//!
-//! For: [`Report`].
 
+use super::Checked;
 use super::numbers::{bytes, figure, mark, times};
 use super::settings::RunSettings;
 use super::text::{busy, row};
 use crate::bvh::check::Statistics;
 use crate::measure::rays::{BuildTime, Measurement};
 use crate::measure::stats::RayStats;
+use crate::scene::Scene;
 use crate::traverse::Traversal;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
@@ -51,6 +51,43 @@ pub struct Report {
     pub stats: Option<Vec<RayStats>>,
     /// What was not measured, and why: each a full sentence.
     pub left_out: Vec<String>,
+}
+
+impl Report {
+    /// Without results yet; of a scene and its hierarchy, with builds of one thread first.
+    pub fn new(
+        settings: RunSettings,
+        scene: &Scene,
+        builds: Vec<BuildTime>,
+        bvh_bytes: usize,
+        tree: Result<Statistics, String>,
+    ) -> Self {
+        let [width, height] = settings.size.expect("rays have a size");
+        Self {
+            schema: "octray-rays-1",
+            settings,
+            reliable: false,
+            scene: scene.name.clone(),
+            triangles: scene.triangles.len(),
+            spheres: scene.spheres.len(),
+            width,
+            height,
+            build_ms: builds.first().map_or(0.0, |build| build.ms),
+            builds,
+            bvh_bytes,
+            fault: tree.as_ref().err().cloned(),
+            tree: tree.ok(),
+            results: Vec::new(),
+            stats: None,
+            left_out: Vec::new(),
+        }
+    }
+}
+
+impl Checked for Report {
+    fn has_failed(&self) -> bool {
+        self.fault.is_some() || self.results.iter().any(|result| result.disagreements > 0)
+    }
 }
 
 /// A row of the table; two cells for each number of threads.
@@ -166,4 +203,33 @@ pub fn meaning(report: &Report) -> String {
         lines.push("Every traversal finds the hits of one scalar ray at a time, bit by bit.".into());
     }
     format!("\n{}\n", lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::rays::{measure, prepare};
+    use crate::measure::trace::{Accelerators, TraceMethod, TracePool};
+    use crate::traverse::{Methods, hierarchy::Hierarchy};
+
+    #[test]
+    fn a_ray_whose_hit_differs_and_an_invalid_hierarchy_are_failures() {
+        let scene = crate::scene::load("builtin:three").unwrap();
+        let structures = Accelerators::new(&scene, Hierarchy::new(&scene, crate::bvh::Trees::WideAndBinary));
+        let (pools, methods) = ([TracePool::new(1)], TraceMethod::all().collect::<Vec<_>>());
+        let mut rays =
+            prepare(&scene, &scene.overview().unwrap(), &structures, &pools[0], [8, 8], 0).remove(0);
+        let mut report_of = |fault: Option<&str>, off: f32| {
+            rays.nearest.t.iter_mut().for_each(|t| *t += off);
+            let settings = RunSettings { size: Some([8, 8]), ..RunSettings::of(Methods::default()) };
+            let mut report = Report::new(settings, &scene, Vec::new(), 0, Err(String::new()));
+            report.fault = fault.map(String::from);
+            report.results = measure(&structures, &rays, &methods, &pools, Some(1));
+            report.has_failed()
+        };
+        assert_eq!(
+            [report_of(None, 0.0), report_of(Some("a box"), 0.0), report_of(None, 1.0)],
+            [false, true, true]
+        );
+    }
 }

@@ -1,7 +1,6 @@
 //! What `octray stability` reports: tables, JSON, drawings of failures and errors along a test case's axis.
-//!
-//! For: [`Report`], [`table`], [`verdict`], [`drawings`].
 
+use super::Checked;
 use super::drawing::Drawing;
 use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::percent;
@@ -25,6 +24,20 @@ pub struct Report {
     pub holds: bool,
     /// In the order of the list.
     pub test_cases: Vec<Outcome>,
+}
+
+impl Report {
+    /// Made on this machine.
+    pub fn new(thorough: bool, test_cases: Vec<Outcome>) -> Self {
+        let holds = test_cases.iter().all(|outcome| outcome.holds);
+        Self { schema: "octray-stability-1", machine: Machine::current(), thorough, holds, test_cases }
+    }
+}
+
+impl Checked for Report {
+    fn has_failed(&self) -> bool {
+        !self.holds
+    }
 }
 
 /// Width of the column of names, and of those of figures.
@@ -162,6 +175,7 @@ fn figure(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::stability::{Effort, Method, Trial, run};
 
     /// Two methods at one place, where the default has so many failures.
     fn test_case(error: Option<&'static str>) -> &'static TestCase {
@@ -202,15 +216,21 @@ mod tests {
 
     #[test]
     fn verdict_names_the_test_cases_in_which_a_default_fails() {
-        let report = |test_cases: Vec<Outcome>| Report {
-            schema: "",
-            thorough: false,
-            machine: Machine::current(),
-            holds: test_cases.iter().all(|outcome| outcome.holds),
-            test_cases,
-        };
+        let report = |test_cases: Vec<Outcome>| Report::new(false, test_cases);
         assert!(verdict(&report(vec![outcome(0)])).contains("keep their bounds in 1 test case."));
         assert!(verdict(&report(vec![outcome(0), outcome(1)])).contains("BOUNDS in far."));
+        // A default that fails in one input of ten thousand, through the same code as the others.
+        let broken = |places| {
+            let run: Trial = Box::new(move |rng, x, counts| {
+                counts.tested += 1;
+                counts.failures += usize::from(x == 2.0 && rng.unit() < 1e-3);
+            });
+            let methods = vec![Method { name: "broken", default: true, run }];
+            &*Box::leak(Box::new(TestCase { name: "far", places, methods, ..TestCase::COMMON }))
+        };
+        let failed =
+            |places| report(run(&[broken(&[1.0]), broken(places)], Effort(0.1), &|| {})).has_failed();
+        assert_eq!([failed(&[1.0]), failed(&[1.0, 2.0])], [false, true]);
     }
 
     #[test]

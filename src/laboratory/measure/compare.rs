@@ -1,6 +1,4 @@
 //! Every width of SIMD against scalar, bit for bit; and both against the f64 reference.
-//!
-//! For: [`compare()`].
 
 use super::quantiles::Rounds;
 use super::timed::{Ratio, TimedRenderer, Times};
@@ -114,21 +112,12 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32, timed: bool) -> 
     let scalar_picture = scalar.film.picture();
     let mut lanes = vec![default];
     lanes.extend(WIDTHS.into_iter().filter(|&other| other > 1 && other != default));
-    let (mut differ, mut first_mismatch) = (BTreeSet::new(), None);
+    let mut mismatches = Mismatches::default();
     let mut discarded_samples = scalar.film.discarded();
     for &lanes in &lanes {
         let other = (lanes != default).then(|| rendered(scene, of(lanes), samples));
         let film = other.as_ref().unwrap_or(&simd.film);
-        let picture = film.picture();
-        let found = mismatches(&picture, &scalar_picture);
-        first_mismatch = first_mismatch.or(found.first().map(|&index| Mismatch {
-            lanes,
-            x: index as u32 % picture.width,
-            y: index as u32 / picture.width,
-            simd: picture.pixels[index],
-            scalar: scalar_picture.pixels[index],
-        }));
-        differ.extend(found);
+        mismatches.add(lanes, &film.picture(), &scalar_picture);
         discarded_samples += film.discarded();
     }
     if timed && (took < ENOUGH || took / samples < TURN) {
@@ -148,8 +137,8 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32, timed: bool) -> 
         pixels: scalar_picture.pixels.len(),
         samples,
         lanes,
-        mismatched_pixels: differ.len(),
-        first_mismatch,
+        mismatched_pixels: mismatches.pixels.len(),
+        first_mismatch: mismatches.first,
         discarded_samples,
         speedup: if timed { Ratio::of(&simd.times, &scalar.times) } else { None },
         traversal: settings.methods.traversal_name(scene, default),
@@ -164,11 +153,26 @@ fn rendered(scene: &Scene, settings: Settings, samples: u32) -> Film {
     film
 }
 
-/// Indices of the pixels that differ in any bit.
-fn mismatches(a: &Picture, b: &Picture) -> Vec<usize> {
-    let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
-    let pairs = a.pixels.iter().zip(&b.pixels).enumerate();
-    pairs.filter(|(_, (a, b))| bits(a) != bits(b)).map(|(index, _)| index).collect()
+/// The pixels in which any width differs from scalar in any bit.
+#[derive(Debug, Default)]
+pub struct Mismatches {
+    /// Their indices.
+    pub pixels: BTreeSet<usize>,
+    /// As in [`Comparison`].
+    pub first: Option<Mismatch>,
+}
+
+impl Mismatches {
+    /// Adds the differences between the pictures of a width and of scalar.
+    pub fn add(&mut self, lanes: usize, simd: &Picture, scalar: &Picture) {
+        let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
+        let pairs = simd.pixels.iter().zip(&scalar.pixels).enumerate();
+        for (index, (simd_pixel, scalar_pixel)) in pairs.filter(|(_, (a, b))| bits(a) != bits(b)) {
+            let (x, y) = (index as u32 % simd.width, index as u32 / simd.width);
+            self.first.get_or_insert(Mismatch { lanes, x, y, simd: *simd_pixel, scalar: *scalar_pixel });
+            self.pixels.insert(index);
+        }
+    }
 }
 
 /// The part of a picture that is compared with the reference.

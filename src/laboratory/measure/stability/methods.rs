@@ -11,7 +11,7 @@ pub struct Method<F> {
     /// Whether this is the renderer's default.
     pub default: bool,
     /// What the test case, the chart or the test runs with it.
-    pub(crate) run: F,
+    pub run: F,
 }
 
 impl<F> Method<F> {

@@ -2,6 +2,7 @@
 #![allow(dead_code, unused_imports)] // Every test file takes its own part.
 
 pub mod rays;
+pub mod skipped;
 pub mod statistics;
 
 pub use glam::{DVec3, Vec2, Vec3, dvec3, vec2, vec3};

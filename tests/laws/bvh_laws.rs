@@ -7,7 +7,6 @@ use octray::bvh::check::{Statistics, check, check_scene};
 use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, WIDE, WideNode};
 use octray::kernel::ray_box::sphere_bounds;
 use octray::kernel::surface::triangle_bounds;
-use std::path::Path;
 
 /// Builds over boxes, of which the first `spheres` count as spheres, and checks.
 fn valid(spheres: usize, boxes: &[Bounds]) -> Statistics {
@@ -42,14 +41,8 @@ fn crowd(rng: &mut Rng, spheres: usize, triangles: usize) -> Scene {
     scene
 }
 
-/// A mesh of ../shared/meshes, or nothing where it is missing.
 fn mesh(name: &str) -> Option<Scene> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes").join(name);
-    if path.exists() {
-        return Some(octray::scene::load(path.to_str().unwrap()).unwrap());
-    }
-    eprintln!("skipped: {} is missing", path.display());
-    None
+    skipped::mesh(name).map(|path| load(path.to_str().unwrap()).unwrap())
 }
 
 #[test]

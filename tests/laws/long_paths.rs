@@ -1,4 +1,5 @@
-//! Law: directions keep the unit length that intersection asks for, however long the path.
+//! Laws: directions keep the unit length that intersection asks for, however long the path; and no path ends
+//! because it carries little.
 
 use crate::common::*;
 use glam::Quat;
@@ -83,4 +84,27 @@ fn reflection_lengthens_by_no_more_than_its_bound() {
         let bound = 4.0 * (length(n) - 1.0).abs() + 9.0 * EPSILON;
         assert!(growth <= bound, "{d} at {n}: {growth:e}, bound {bound:e}");
     }
+}
+
+/// Inside a ball that emits 1 and reflects a tenth, every path adds 1, 0.1, 0.01 …; and a ball that reflects
+/// half a thousandth of a bright sky is as bright as 1.
+#[test]
+fn paths_that_carry_little_add_what_they_carry() {
+    let lights = Methods { lights: LightChoice::Off, ..Methods::default() };
+    let mean_of = |scene: &Scene, max_bounces| {
+        let settings = Settings { max_bounces, methods: lights, ..Settings::of(scene) };
+        let picture = render(scene, settings, 1);
+        f64::from(picture.pixels[picture.pixels.len() / 2 + 12][0])
+    };
+    let of = |color: f32, emission| Material { color: Vec3::splat(color), emission, ..material(Diffuse) };
+    let inside =
+        Scene { materials: vec![of(0.1, Vec3::ONE)], spheres: vec![sphere(Vec3::ZERO, 9.0, 0)], ..empty() };
+    assert!((mean_of(&inside, 6) / 1.111_111_1 - 1.0).abs() < 1e-6, "{}", mean_of(&inside, 6));
+    let dark = Scene {
+        sky: Sky::Color(Vec3::splat(2000.0)),
+        materials: vec![of(5e-4, Vec3::ZERO)],
+        spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
+        ..empty()
+    };
+    assert!((mean_of(&dark, 4) - 1.0).abs() < 1e-6, "{}", mean_of(&dark, 4));
 }

@@ -288,3 +288,28 @@ fn basis_is_orthonormal_and_right_handed_for_every_normal() {
         check(Vec3::splat(polar.normalize().as_vec3()));
     }
 }
+
+/// The azimuths of a path's light point, and azimuth and elevation of the direction that it goes on in: on a
+/// floor below a lamp, in a dark ball.
+#[test]
+fn light_points_are_independent_of_scattered_directions() {
+    let mut scene = floor(glam::Vec3::ZERO, 1.0);
+    scene.materials.extend([lamp(1.0), Material { color: glam::Vec3::ZERO, ..material(Diffuse) }]);
+    scene.spheres = vec![sphere(vec3(0.0, 4.0, 0.0), 1.0, 1), sphere(glam::Vec3::ZERO, 50.0, 2)];
+    let methods = Methods { sampler: Sampler::Random, ..Methods::default() };
+    let mut renderer = Renderer::new(&scene, Settings { methods, ..Settings::of(&scene) });
+    let azimuth = |[x, _, z]: [f64; 3]| (z.atan2(x) / TAU + 0.5).min(1.0 - 1e-9);
+    let (mut azimuths, mut elevations) = (Vec::new(), Vec::new());
+    for (sample, (x, y)) in (0..64).flat_map(|sample| places([8, 8]).map(move |place| (sample, place))) {
+        let path = renderer.path([x, y], sample);
+        let [at, end] = [path[0].point, path[1].point].map(|point| Vec3::<f32>::splat(point.into()).get(0));
+        let way = (end - at).as_dvec3().normalize();
+        let light = azimuth(path[0].light_direction.expect("the lamp is seen").map(f64::from));
+        azimuths.push((light, azimuth(way.to_array())));
+        elevations.push((light, (way.y * way.y).min(1.0 - 1e-9)));
+    }
+    for pairs in [azimuths, elevations] {
+        let found = [correlation(pairs.iter().copied()), joint(pairs.iter().copied())];
+        assert!(found.iter().all(|deviation| deviation.abs() < allowed(4)), "{found:?} standard errors");
+    }
+}

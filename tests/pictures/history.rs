@@ -171,6 +171,26 @@ fn history_ends_at_other_objects_normals_and_planes() {
     assert!(kept[0] > 1_000 && kept[1] < 40, "{kept:?}");
     history.reset();
     assert_eq!(window.advance(&mut history, &flat(0.25), 1), &flat(0.25));
+
+    // The same plane of the same object, whose normals turn by so much of a right angle.
+    let kept = [0.1f32, 0.7].map(|turn| {
+        let wall = |normal: Vec3| Scene {
+            triangles: vec![triangle(
+                [vec3(-60.0, -60.0, 0.0), vec3(60.0, -60.0, 0.0), vec3(0.0, 60.0, 0.0)],
+                0,
+            )],
+            normals: vec![[normal; 3]],
+            ..diffuse()
+        };
+        let mut history = History::new();
+        for (normal, value) in [(Vec3::Z, 1.0), (vec3(turn.sin(), 0.0, turn.cos()), 0.0)] {
+            let mut window = Window::new(wall(normal));
+            window.look(window.scene.camera);
+            window.advance(&mut history, &flat(value), 1);
+        }
+        history.counts().iter().filter(|&&count| count > 1.0).count()
+    });
+    assert!(kept[0] == flat(0.0).pixels.len() && kept[1] == 0, "{kept:?}");
 }
 
 /// Pixels of the sky at the edge of a lamp hold some of its light: who passes by is not to see it drawn

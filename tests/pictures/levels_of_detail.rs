@@ -61,6 +61,24 @@ fn texels_wider_than_pixels_are_bilinear_in_every_bit() {
     assert!(render(&bilinear, settings(&bilinear, 1), 2) == render(&trilinear, settings(&trilinear, 1), 2));
 }
 
+/// From near the centre of a hollow mirror, on a plane behind the camera: cones are thin again there. Bent
+/// the other way, they would be four times as wide as at the mirror, or five texels.
+#[test]
+fn texels_behind_a_hollow_mirror_are_bilinear_in_every_bit() {
+    let pictures = [Filter::Bilinear, Filter::Trilinear].map(|filter| {
+        let mut scene = plain(filter, 4.0);
+        scene.camera = camera(Vec3::Z * 0.2, Vec3::ZERO, 40.0);
+        scene.materials.push(material(Metal { roughness: 0.0 }));
+        scene.spheres = vec![sphere(Vec3::ZERO, 4.0, 1)];
+        let corners = [vec3(-9.0, -9.0, 0.5), vec3(9.0, -9.0, 0.5), vec3(0.0, 9.0, 0.5)];
+        scene.triangles = vec![triangle(corners, 0)];
+        // Texels of a fiftieth.
+        scene.uvs = vec![corners.map(|corner| vec2(corner.x, corner.y) * 50.0 / 32.0)];
+        render(&scene, settings(&scene, 1), 2)
+    });
+    assert!(mean(&pictures[0]) > 0.3 && pictures[0] == pictures[1]);
+}
+
 /// In mirrors, in glass and behind rough surfaces; on spheres, triangles and the sky.
 #[test]
 fn picture_is_the_references_with_levels_of_detail() {

@@ -1,6 +1,7 @@
 //! `octray chart`: its files, its JSON, its truth kept for the next run.
 
 use crate::desk::{Desk, SCENE, list, number};
+use crate::ratios::assert_follow_from_points;
 use crate::report_page;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,6 +33,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
             }
         }
     }
+    assert_follow_from_points(lines);
     for kernel in list(&report["kernels"]) {
         assert!(number(&kernel["ns"]) > 0.0 && kernel["failure_case"]["test_case"].is_string(), "{kernel}");
     }
@@ -82,49 +84,10 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
         let drawn = read(&format!("{name}.svg"));
         assert!(drawn.starts_with("<svg"), "{name}");
         assert!(page.contains(&drawn), "{name} is on the page");
-        assert_eq!(overlapping(&drawn), Vec::<String>::new(), "{name}");
     }
     let last = list(&lines[0]["points"]).last().unwrap();
     let [seconds, samples] = [&last["seconds"]["median"], &last["samples"]].map(number);
     assert_eq!(number(&scene["default_pass_s"]), seconds / samples);
-}
-
-/// The texts of a drawing that cover others or leave it, by a width of a letter that common fonts do not
-/// reach.
-fn overlapping(svg: &str) -> Vec<String> {
-    let attribute = |tag: &str, name: &str| -> Option<String> {
-        let (_, rest) = tag.split_once(&format!(r#" {name}=""#))?;
-        Some(rest.split_once('"')?.0.to_owned())
-    };
-    let view = attribute(svg, "viewBox").unwrap();
-    let size: Vec<f64> = view.split(' ').map(|side| side.parse().unwrap()).collect();
-    let texts = svg.split("<text").skip(1).map(|text| {
-        let (tag, rest) = text.split_once('>').unwrap();
-        let words = rest.split_once("</text>").unwrap().0.trim();
-        let number = |name| attribute(tag, name).unwrap().parse::<f64>().unwrap();
-        let (x, y, high) = (number("x"), number("y"), number("font-size"));
-        let wide = 0.56 * high * words.chars().count() as f64;
-        let left = match attribute(tag, "text-anchor").unwrap().as_str() {
-            "start" => x,
-            "middle" => x - wide / 2.0,
-            _ => x - wide,
-        };
-        (words, [left, y - high / 2.0, left + wide, y + high / 2.0])
-    });
-    let texts: Vec<(&str, [f64; 4])> = texts.collect();
-    let mut found = Vec::new();
-    for (number, (words, [left, top, right, bottom])) in texts.iter().enumerate() {
-        if *left < 0.0 || *top < 0.0 || *right > size[2] || *bottom > size[3] {
-            found.push(format!("{words:?} leaves the drawing"));
-        }
-        for (others, edges) in &texts[..number] {
-            if *left < edges[2] && edges[0] < *right && *top < edges[3] && edges[1] < *bottom {
-                found.push(format!("{words:?} over {others:?}"));
-            }
-        }
-    }
-    assert!(texts.len() > 10, "{} texts", texts.len());
-    found
 }
 
 #[test]

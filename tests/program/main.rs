@@ -7,6 +7,8 @@ mod folder;
 mod openexr;
 #[path = "../common/program.rs"]
 mod program;
+#[path = "../common/skipped.rs"]
+mod skipped;
 #[path = "../common/waiting.rs"]
 mod waiting;
 
@@ -21,6 +23,7 @@ mod frames;
 mod interrupt;
 mod limits;
 mod one_path;
+mod ratios;
 mod rays;
 mod render;
 mod report_page;

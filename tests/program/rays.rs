@@ -184,6 +184,14 @@ fn dump_holds_the_rays_and_hits_that_the_report_counts() {
                 let height = origin_y[at] + t[at] * direction_y[at];
                 assert!(height.abs() < 1e-4, "{kind} {at}: {height} from the origin at a vertex");
                 assert!(u[at] >= 0.0 && v[at] >= 0.0 && u[at] + v[at] <= 1.0 + 1e-6, "{kind} {at}");
+                for axis in [0, 2] {
+                    let [a, b, c] = [0, 3, 6].map(|vertex| vertices[vertex + axis]);
+                    let [along, across] = [
+                        rays.floats(axis)[at] + t[at] * direction[axis][at],
+                        a + u[at] * (b - a) + v[at] * (c - a),
+                    ];
+                    assert!((along - across).abs() < 1e-3, "{kind} {at}: {along}, {across}");
+                }
             }
         }
     }

@@ -2,11 +2,11 @@
 //! of them.
 
 use crate::desk::{Desk, SCENE, list, number};
+use crate::skipped::mesh;
 use octray::bvh::LEAF;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
-use std::path::Path;
 
 #[test]
 fn inspect_shows_what_a_scene_holds() {
@@ -211,11 +211,7 @@ fn a_model_is_a_scene() {
 fn meshes_beside_the_project_render() {
     let desk = Desk::new();
     for name in ["bunny.obj", "dragon-48k.obj"] {
-        let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/meshes").join(name);
-        if !mesh.is_file() {
-            eprintln!("skipped: there is no ../shared/meshes/{name}");
-            continue;
-        }
+        let Some(mesh) = mesh(name) else { continue };
         desk.render_small(mesh.to_str().unwrap());
     }
 }

@@ -7,6 +7,8 @@ mod folder;
 mod program;
 #[path = "../common/seat.rs"]
 mod seat;
+#[path = "../common/skipped.rs"]
+mod skipped;
 #[path = "../common/waiting.rs"]
 mod waiting;
 

@@ -2,9 +2,10 @@
 
 use crate::pictures::Bytes;
 use crate::program::{PROGRAM, away_from_home, send_signal};
+use crate::skipped::skip;
 use crate::waiting::wait_for;
 use std::fs;
-use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use tempfile::TempDir;
@@ -93,8 +94,7 @@ impl Drop for Screen {
 fn found<T>(program: &str, ran: std::io::Result<T>) -> Option<T> {
     match ran {
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            // Not through `eprintln!`, which tests keep to themselves.
-            let _ = writeln!(std::io::stderr(), "skipped: windows are tested where {program} is installed");
+            skip(&format!("windows are tested where {program} is installed"));
             None
         }
         ran => Some(ran.unwrap()),

@@ -17,6 +17,9 @@ pub fn point_in_file(point: Vec3, coordinates: &Coordinates) -> DVec3 {
             let placed = coordinates.to_scene(DVec3::splat(*x))[axis] as f32;
             placed.to_bits() == point[axis].to_bits()
         };
+        if reads_back(&0.0) {
+            return 0.0;
+        }
         // With more digits a number is as near, or nearer.
         let all: [usize; 17] = std::array::from_fn(|digits| digits);
         let fewest = all.partition_point(|&digits| !reads_back(&rounded(digits)));

@@ -1,12 +1,17 @@
 //! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
-//! picture is done, the first ends the program too.
+//! picture is done, the first ends the program too. SIGTERM and, unless `nohup` has it ignored, SIGHUP request
+//! an end as the first Ctrl-C does, however often they come: `timeout` and shells send them twice.
 //!
 //! For: [`listen`] and what follows it, of renderings; [`end_with`] of commands that cannot end early.
-//! Hang-up keeps its default, so that nohup works.
 
 use super::error::INTERRUPTED;
 use super::terminal;
-use std::io::IsTerminal;
+#[cfg(unix)]
+use signal_hook::{
+    consts::{SIGHUP, SIGINT, SIGTERM},
+    iterator::Signals,
+};
+use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -25,7 +30,30 @@ fn last_note() -> MutexGuard<'static, String> {
 /// cannot be installed, without.
 pub fn end_with(note: impl Into<String>) {
     set_last_note(note);
-    ctrlc::set_handler(|| end_after(last_note().clone())).ok();
+    on_signal(|_| end_after(last_note().clone())).ok();
+}
+
+/// Installs a handler of signals, which hears whether one insists when it comes again.
+#[cfg(unix)]
+fn on_signal(mut handle: impl FnMut(bool) + Send + 'static) -> io::Result<()> {
+    let ends = [(!is_hang_up_ignored()).then_some(SIGHUP), Some(SIGTERM), Some(SIGINT)];
+    let mut signals = Signals::new(ends.into_iter().flatten())?;
+    let listen = move || signals.forever().for_each(|signal| handle(signal == SIGINT));
+    std::thread::Builder::new().spawn(listen).map(drop)
+}
+
+#[cfg(not(unix))]
+fn on_signal(mut handle: impl FnMut(bool) + Send + 'static) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(move || handle(true))
+}
+
+/// Whether `nohup` started the program; taken to have where the system does not say.
+#[cfg(unix)]
+fn is_hang_up_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_none_or(|mask| mask >> (SIGHUP - 1) & 1 == 1)
 }
 
 /// Replaces the note of [`end_with`].
@@ -38,7 +66,7 @@ pub fn set_last_note(note: impl Into<String>) {
 fn note(line: String) -> Receiver<()> {
     let (said, end) = channel();
     std::thread::spawn(move || {
-        let below = if std::io::stderr().is_terminal() { "\n" } else { "" };
+        let below = if io::stderr().is_terminal() { "\n" } else { "" };
         terminal::note(&format!("{below}{line}"));
         said.send(()).ok();
     });
@@ -52,16 +80,22 @@ fn end_after(line: String) -> ! {
     std::process::exit(INTERRUPTED.into())
 }
 
-/// Installs the handler, in background jobs too, which start with the signal ignored. Where that fails,
-/// Ctrl-C keeps its usual meaning.
+/// Installs the handler, in background jobs too, which start with Ctrl-C ignored. Where that fails, signals
+/// keep their usual meaning.
 pub fn listen() {
-    let listening = ctrlc::set_handler(|| {
+    let listening = on_signal(|insists| {
         if !BEGUN.load(Ordering::SeqCst) {
             end_after("Ctrl-C came before any part of the picture was done: nothing was written.".into());
         }
-        if REQUESTS.fetch_add(1, Ordering::SeqCst) == 0 {
-            let what = "parts under way are finished, then the picture is written; again ends without it";
-            note(format!("Ctrl-C: {what}."));
+        let before = REQUESTS.load(Ordering::SeqCst);
+        if before > 0 && !insists {
+            return;
+        }
+        REQUESTS.store(before + 1, Ordering::SeqCst);
+        if before == 0 {
+            let what = "parts under way are finished, then the picture is written";
+            let [who, again] = if insists { ["Ctrl-C", "again"] } else { ["SIGTERM or SIGHUP", "Ctrl-C"] };
+            note(format!("{who}: {what}; {again} ends without it."));
         } else if !HOLDING.load(Ordering::SeqCst) {
             std::process::exit(INTERRUPTED.into());
         }

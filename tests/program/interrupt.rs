@@ -1,13 +1,13 @@
-//! Ctrl-C.
+//! Ctrl-C, and the signals that mean it.
 
 use crate::desk::Desk;
-use crate::program::{octray, send_signal};
+use crate::program::{PROGRAM, away_from_home, octray, send_signal};
 use crate::waiting::wait_for;
 use octray::render::{Renderer, Settings};
 use octray::scene;
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 
@@ -44,7 +44,12 @@ impl Heard {
 impl Running {
     pub fn start(desk: &Desk, line: &str) -> Self {
         let mut command = octray();
-        command.args(line.split(' ')).current_dir(desk.path(""));
+        command.args(line.split(' '));
+        Self::spawn(desk, command)
+    }
+
+    fn spawn(desk: &Desk, mut command: Command) -> Self {
+        command.current_dir(desk.path(""));
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let printed = Heard::from(child.stdout.take().unwrap());
         let said = Heard::from(child.stderr.take().unwrap());
@@ -60,8 +65,12 @@ impl Running {
         running
     }
 
+    fn send(&self, signal: &str) {
+        send_signal(signal, self.child.id());
+    }
+
     pub fn press_ctrl_c(&self) {
-        send_signal("INT", self.child.id());
+        self.send("INT");
     }
 
     /// Waits for words on standard error.
@@ -69,15 +78,16 @@ impl Running {
         self.said.wait_for(words);
     }
 
-    /// Waits until Ctrl-C is heard: the second bit of this mask is that of the second signal.
+    /// Waits until Ctrl-C is heard, and returns the mask of signals that are: the second bit is that of the
+    /// second signal.
     #[cfg(target_os = "linux")]
-    fn wait_until_it_listens(&mut self) {
+    fn wait_until_it_listens(&mut self) -> u64 {
         wait_for("a handler of Ctrl-C", || {
             assert_eq!(self.child.try_wait().unwrap(), None, "the program ended");
             let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
             let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
-            (u64::from_str_radix(caught.trim(), 16).unwrap() & 2 > 0).then_some(())
-        });
+            Some(u64::from_str_radix(caught.trim(), 16).unwrap()).filter(|caught| caught & 2 > 0)
+        })
     }
 
     /// Waits for the end: the exit code, what was printed, and what was said on standard error.
@@ -163,6 +173,34 @@ fn ctrl_c_is_named_as_the_end() {
     let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
     assert!(printed.contains(" of 10,000,000 samples"), "{printed}");
     assert!(printed.ends_with("ended by Ctrl-C\n"), "{printed}");
+}
+
+/// `timeout` and shells send their signals twice.
+#[test]
+fn sigterm_and_hang_up_save_the_picture_however_often_they_come() {
+    for signal in ["TERM", "HUP"] {
+        let desk = Desk::new();
+        let running = Running::rendering(&desk, put_heavy_picture(&desk));
+        running.send(signal);
+        running.wait_until_it_says("Ctrl-C ends without it");
+        running.send(signal);
+        assert_eq!(running.end().0, Some(130), "{signal}");
+        assert!(desk.path("a.exr").exists(), "{signal}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn hang_up_stays_ignored_under_nohup() {
+    for (ignore, hears) in [("", 1), ("trap '' HUP;", 0)] {
+        let desk = Desk::new();
+        let mut command = away_from_home("sh");
+        command.args(["-c", &format!("{ignore} exec \"$0\" $1"), PROGRAM]);
+        command.arg("render builtin:three --samples 10000000 --size 64x36 -o a.exr");
+        let mut running = Running::spawn(&desk, command);
+        // The handler of Ctrl-C is the last one.
+        assert_eq!(running.wait_until_it_listens() & 1, hears, "{ignore}");
+    }
 }
 
 /// So many balls, each of which every ray is tested against, that the first tile takes minutes.

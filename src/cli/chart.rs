@@ -4,6 +4,7 @@ use super::error::{CliError, checked};
 use super::ground_truth;
 use super::interrupt;
 use super::numbers::{seconds, size, whole};
+use super::outputs::keep_inputs;
 use super::progress;
 use super::scenes;
 use super::terminal::{self, Printer};
@@ -137,6 +138,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let (mut shapes, mut own) = (vec!["box"], Vec::new());
     for (number, name) in names.iter().enumerate() {
         let scene = first.take().map_or_else(|| scenes::load(name), Ok)?;
+        keep_inputs(&scene.files, [("--output", options.output.join("chart.json").as_path())])?;
         scene.warnings.iter().for_each(|warning| bar.suspend(|| terminal::warn(warning)));
         let left = (start + budget).saturating_duration_since(Instant::now() + WRITING);
         let (size, max_bounces) = options.sized(&scene);

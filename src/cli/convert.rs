@@ -1,6 +1,7 @@
 //! `octray convert`: from a mesh to a scene file.
 
 use super::error::CliError;
+use super::outputs::keep_inputs;
 use super::terminal;
 use crate::output::{self, Existing};
 use crate::scene::{self, Converted, has_extension};
@@ -41,12 +42,13 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     // Before the check of the extension, so that a folder is reported as a folder.
     output::check(&scene, existing)?;
     check_scene(&scene)?;
-    let Converted { text, pictures, warnings } = scene::convert_model(&options.model, &scene)?;
+    let Converted { text, pictures, files: read, warnings } = scene::convert_model(&options.model, &scene)?;
     warnings.iter().for_each(|warning| terminal::warn(warning));
     let pictures = pictures.iter().map(|(name, content)| (scene.with_file_name(name), content.as_slice()));
     let mut files: Vec<(PathBuf, &[u8])> = pictures.collect();
     files.iter().try_for_each(|(path, _)| output::check(path, existing))?;
     files.push((scene.clone(), text.as_bytes()));
+    keep_inputs(&read, files.iter().map(|(path, _)| ("the output", path.as_path())))?;
     for (path, content) in files {
         output::write_atomically(&path, existing, |file| file.write_all(content))?;
     }

@@ -7,10 +7,11 @@ use super::frames::{frames, numbered, shard};
 use super::groups::SCENE;
 use super::limits::LimitOptions;
 use super::numbers::seconds;
+use super::outputs::{is_same, keep_inputs};
 use super::picture::PictureOptions;
 use crate::checkpoint::{CheckpointError, Shard, is_checkpoint};
 use crate::output::{self, Existing, Format};
-use std::collections::HashSet;
+use crate::sampling::random::mix_bits;
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -35,8 +36,9 @@ use std::time::Duration;
 /// tile of 16×16 pixels, and `octray merge` joins the parts into the bits of one run. A part that
 /// --checkpoint names too goes on where it was interrupted.
 ///
-/// Ctrl-C writes the picture so far, with exit code 130 and `interrupted` in JSON: some pixels may have one
-/// sample more than others, and those without one are black. A second Ctrl-C writes nothing.
+/// Ctrl-C, SIGTERM and SIGHUP write the picture so far, with exit code 130 and `interrupted` in JSON: some
+/// pixels may have one sample more than others, and those without one are black. A second Ctrl-C writes
+/// nothing.
 #[derive(Debug, clap::Parser)]
 #[command(after_long_help = "Examples:
   octray render builtin:three -o three.png
@@ -89,6 +91,14 @@ pub struct Job {
     pub shard: Option<Shard>,
     pub checkpoint: Option<PathBuf>,
     pub samples_map: Option<PathBuf>,
+}
+
+impl Job {
+    /// The seed of the film where that of the call is `seed`: each frame has noise of its own, and frame 0
+    /// that of a still.
+    pub fn seed(&self, seed: u32) -> u32 {
+        seed.wrapping_add(mix_bits(self.frame.unwrap_or(0)))
+    }
 }
 
 /// The jobs of a call, with their files checked: they can be written. Frames are a job each; of a shard,
@@ -161,10 +171,6 @@ fn check(Job { output, shard, checkpoint, samples_map, .. }: &Job) -> Result<(),
     }
     if let Some(file) = samples_map {
         Format::of(file)?;
-        if is_same(file, output) {
-            let instead = "it is also the output file: give another file";
-            return Err(refuse("--samples-map", file.display(), instead));
-        }
         output::check(file, Existing::Replace)?;
     }
     if let Some(file) = checkpoint {
@@ -188,28 +194,19 @@ fn check_checkpoint(option: &str, file: &Path, what: &str) -> Result<(), CliErro
     Ok(())
 }
 
-/// Refuses to replace a file that the scene was read from.
+/// Refuses to replace a file that the scene was read from, or another output.
 pub fn keep_files(jobs: &[Job], of_scene: &[PathBuf]) -> Result<(), CliError> {
-    let kept: HashSet<PathBuf> =
-        of_scene.iter().filter(|file| file.exists()).map(|file| place(file)).collect();
-    let mut files = jobs.iter().flat_map(|job| std::iter::once(&job.output).chain(&job.samples_map));
-    if let Some(file) = files.find(|file| kept.contains(&place(file))) {
-        let instead = "the scene reads this file, which would be replaced: give another name";
-        return Err(refuse("the output", file.display(), instead));
-    }
-    Ok(())
-}
-
-/// Are both the same file, there or not?
-pub fn is_same(one: &Path, other: &Path) -> bool {
-    place(one) == place(other)
-}
-
-/// The canonical path of a file, there or not; the path itself where its folder does not exist.
-fn place(path: &Path) -> PathBuf {
-    let folder = path.parent().unwrap_or(Path::new("")).join(".").canonicalize();
-    let of_new = |folder: PathBuf| path.file_name().map(|name| folder.join(name));
-    path.canonicalize().ok().or_else(|| folder.ok().and_then(of_new)).unwrap_or_else(|| path.into())
+    let outputs = jobs.iter().flat_map(|job| {
+        // A shard that is also its checkpoint goes on where it was interrupted.
+        let checkpoint = job.checkpoint.as_ref().filter(|file| !is_same(file, &job.output));
+        let files = [
+            ("--output", Some(&job.output)),
+            ("--samples-map", job.samples_map.as_ref()),
+            ("--checkpoint", checkpoint),
+        ];
+        files.into_iter().filter_map(|(option, file)| Some((option, file?.as_path())))
+    });
+    keep_inputs(of_scene, outputs)
 }
 
 #[cfg(test)]

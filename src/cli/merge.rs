@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::groups::choice;
 use super::memory;
 use super::numbers::exposure;
+use super::outputs::keep_inputs;
 use super::terminal::Printer;
 use crate::checkpoint::merge::Parts;
 use crate::output::{self, Existing, Format};
@@ -57,6 +58,7 @@ struct Report {
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     Format::of(&options.output)?;
     output::check(&options.output, Existing::Replace)?;
+    keep_inputs(&options.parts, [("--output", options.output.as_path())])?;
     let parts = Parts::open(&options.parts)?;
     let header = parts.header().clone();
     let settings = &header.identity.settings;

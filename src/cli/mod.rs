@@ -8,7 +8,7 @@
 //! | `picture`, `frame`, `limits` | options that commands share, and the settings made of them |
 //! | `bench`, `compare`, `render`, `rays`, `chart`, `view` | commands |
 //! | `stability`, `merge`, `convert`, `inspect`, `methods` | commands |
-//! | `scenes` | loads the scenes of commands |
+//! | `scenes`, `outputs` | loads the scenes of commands; refuses to replace what a command reads |
 //! | `trace`, `interrupt`, `progress` | sampling up to a limit, Ctrl-C, progress lines |
 //! | `jobs`, `frames` | of `render`: its options, the pictures or parts of one call, and their files |
 //! | `checkpoint` | of `render`: saves the film and resumes from it |
@@ -39,6 +39,7 @@ mod memory;
 mod merge;
 mod methods;
 mod numbers;
+mod outputs;
 mod picture;
 mod progress;
 mod ray_dump;

@@ -8,10 +8,15 @@ use crate::measure::ray_sets::RaysWithHits;
 use crate::output::{Existing, OutputError, write_atomically};
 use crate::scene::Scene;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const RAYS: &[u8; 8] = b"OCTRAYS1";
 const TRIANGLES: &[u8; 8] = b"OCTRITR1";
+
+/// All files that are written into a folder.
+pub fn files(folder: &Path) -> [PathBuf; 4] {
+    ["primary.rays", "shadow.rays", "diffuse.rays", "triangles.bin"].map(|name| folder.join(name))
+}
 
 /// Writes all files into a folder.
 pub fn write(folder: &Path, scene: &Scene, rays: &[RaysWithHits]) -> Result<(), OutputError> {

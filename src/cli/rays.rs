@@ -3,6 +3,7 @@
 use super::error::CliError;
 use super::groups::{SCENE, choice, one_of};
 use super::numbers::{seed, size, threads, whole};
+use super::outputs::keep_inputs;
 use super::ray_dump;
 use super::scenes;
 use super::terminal::{self, Printer};
@@ -117,6 +118,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let scene = scenes::load_with_warnings(&options.scene)?;
     let camera = scene.overview().ok_or_else(|| SceneError::no_overview(&scene))?;
     if let Some(folder) = &options.dump {
+        let files = ray_dump::files(folder);
+        keep_inputs(&scene.files, files.iter().map(|file| ("--dump", file.as_path())))?;
         output::make_folder(folder)?;
     }
     let threads = options.threads();

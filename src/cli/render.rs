@@ -4,9 +4,10 @@ use super::checkpoint::CheckpointWriter;
 use super::error::{CliError, INTERRUPTED, refuse};
 use super::groups::warn_of_lost_hierarchy;
 use super::interrupt;
-use super::jobs::{Job, RenderOptions, is_same, jobs, keep_files, refuse_shard};
+use super::jobs::{Job, RenderOptions, jobs, keep_files, refuse_shard};
 use super::limits::Limits;
 use super::memory;
+use super::outputs::is_same;
 use super::picture::of_view;
 use super::progress::Progress;
 use super::samples_map;
@@ -66,6 +67,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
         if let (Some((scene, renderer)), Some(_)) = (&mut prepared, job.frame) {
             scene.camera = camera;
             renderer.set_view(scene, &camera, settings.resolution, settings.max_bounces);
+            renderer.set_seed(job.seed(settings.seed));
         }
         interrupt::begin();
         let code = rendering.run(&job, &mut prepared, [index == 0, index == last])?;
@@ -136,7 +138,7 @@ impl Rendering {
         let mut film = if limits.target.is_some() { renderer.film_with_noise() } else { renderer.film() };
         film.keep_tiles(|number| job.shard.is_none_or(|shard| shard.has(number)));
         let is_kept = job.shard.is_some() || job.checkpoint.is_some();
-        let header = is_kept.then(|| self.header(job, scene));
+        let header = is_kept.then(|| self.header(job, scene, renderer));
         let mut writer = match (&job.checkpoint, header.clone()) {
             (Some(file), Some(header)) => {
                 Some(CheckpointWriter::resume(file, header, options.checkpoint_interval, &mut film)?)
@@ -183,12 +185,12 @@ impl Rendering {
     }
 
     /// What checkpoints say of this film.
-    fn header(&self, job: &Job, scene: &Scene) -> Header {
+    fn header(&self, job: &Job, scene: &Scene, renderer: &Renderer) -> Header {
         Header {
             name: scene.name.clone(),
             identity: Identity::new(
                 scene,
-                &self.settings,
+                renderer.settings(),
                 self.limits.target.as_ref(),
                 job.shard.unwrap_or(Shard::WHOLE),
             ),
@@ -252,7 +254,7 @@ impl Rendering {
             target_error: target.map(|target| target.error),
             estimated_error: estimated,
             max_bounces: settings.max_bounces,
-            seed: settings.seed,
+            seed: renderer.settings().seed,
             traversal: settings.methods.traversal_name(scene, settings.lanes),
             settings: self.run_settings.clone(),
             clamp: Some(settings.clamp).filter(|clamp| clamp.is_finite()),

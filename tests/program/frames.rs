@@ -24,11 +24,16 @@ fn frames_follow_the_keyframes_in_any_shard() {
     let pixels = |name: &str| desk.bytes(name);
     // A keyframe is a view of its own, with what it leaves out from the view.
     put_view(&desk, "key.json", r#", "camera": { "position": [3, 1, 4], "vertical_fov": 30 }"#);
-    let key = desk.rendered("key.json", "key.exr");
+    let key = desk.rendered(&format!("key.json --seed {}", reports[2]["seed"]), "key.exr");
     assert!(key == pixels("a-012.exr") && key != pixels("a-013.exr"));
     // Without --frames, the view's own camera.
     let own = desk.rendered("path.json", "own.exr");
     assert!(own == desk.rendered("scene.json --samples 2 --size 40x40", "scene.exr"));
+    // Frames of a camera that stands have noise of their own, that of frame 0 being a still's.
+    let stands = r#", "keyframes": [{ "frame": 0, "camera": {} }, { "frame": 9, "camera": {} }]"#;
+    put_view(&desk, "stands.json", stands);
+    desk.run("render stands.json -o s-#.exr --frames 0..1");
+    assert!(own == pixels("s-0.exr") && own != pixels("s-1.exr"));
     // In shards; again, from complete checkpoints; and a single one.
     for shard in ["--shard 1/2", "--shard 2/2", ""] {
         desk.run(&format!("render path.json -o b-###.exr --frames 10..14 {shard} --checkpoint c-#"));

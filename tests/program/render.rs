@@ -251,14 +251,33 @@ fn warnings_are_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn render_replaces_no_file_of_its_own_scene() {
+fn no_command_replaces_a_file_that_it_reads() {
     let desk = Desk::new();
     desk.put_textured_model();
-    let before = fs::read(desk.path("models/paper.png")).unwrap();
-    for files in ["-o models/../models/paper.png", "-o a.png --samples-map models/paper.png"] {
-        let line = format!("render models/m.obj --target-error 1 {files}");
-        desk.refuses(&line, &["paper.png", "the scene reads this file", "another name"]);
+    // Models whose numbers are in files of these names.
+    let read = ["models/paper.png", "triangles.bin", "new.json"];
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
+    for (model, name) in [("t.gltf", "triangles.bin"), ("n.gltf", "new.json")] {
+        fs::write(desk.path(name), corners.concat()).unwrap();
+        desk.write(
+            model,
+            r#"{ "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+            "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+            "bufferViews": [{ "buffer": 0, "byteLength": 36 }], "buffers": [{ "uri": "NAME", "byteLength": 36 }] }"#
+                .replace("NAME", name),
+        );
     }
-    assert_eq!(fs::read(desk.path("models/paper.png")).unwrap(), before);
+    let before = read.map(|name| desk.bytes(name));
+    for (line, name) in [
+        ("render models/m.obj --target-error 1 -o models/../models/paper.png", "paper.png"),
+        ("render models/m.obj --target-error 1 -o a.png --samples-map models/paper.png", "paper.png"),
+        ("rays t.gltf --dump .", "triangles.bin"),
+        ("convert n.gltf new.json --force", "new.json"),
+        ("merge models/paper.png -o ./models/paper.png", "paper.png"),
+    ] {
+        desk.refuses(line, &[name, "reads this file", "another name"]);
+    }
+    assert_eq!(read.map(|name| desk.bytes(name)), before);
     desk.run("render models/m.obj -o models/other.png --samples 1 --size 4x4");
 }

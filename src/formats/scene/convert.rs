@@ -27,6 +27,8 @@ pub struct Converted {
     /// Textures that are no files of their own, as those inside a .glb: file names beside the scene file, and
     /// content.
     pub pictures: Vec<(PathBuf, Vec<u8>)>,
+    /// The files that were read, and names that were tried.
+    pub files: Vec<PathBuf>,
     /// What was left out, with its place.
     pub warnings: Vec<String>,
 }
@@ -56,7 +58,8 @@ pub fn convert_model(model: &Path, scene: &Path) -> Result<Converted, SceneError
             pictures.push((name, bytes));
         }
     }
-    Ok(Converted { text: text(&shown, &paths), pictures, warnings: shown.warnings })
+    let text = text(&shown, &paths);
+    Ok(Converted { text, pictures, files: files.into_requested(), warnings: shown.warnings })
 }
 
 /// A texture as the content of an image file that reads back as the same texels, and the extension.

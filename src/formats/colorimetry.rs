@@ -2,12 +2,12 @@
 //!
 //! For: [`to_rec709`], [`xyz_to_rec709`], [`convert`]; [`cicp`], [`chromatic`] and [`linear`] of profiles.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 use image::{DynamicImage, Rgb};
 use moxcms::{
     Chromaticity, CicpProfile, ColorPrimaries, ColorProfile, ToneReprCurve, TransferCharacteristics,
 };
-use octray_engine::scene::srgb_to_linear;
+use octray_engine::scene::{Texels, srgb_to_linear};
 
 /// CIE x, y of red, green, blue and white.
 pub type Chromaticities = [[f32; 2]; 4];
@@ -71,19 +71,13 @@ pub fn chromatic(gamma: Option<f32>, primaries: Option<Chromaticities>) -> Color
     profile
 }
 
-/// The linear pixels of a picture and how many of them are clipped, as they lie outside Rec. 709. `Some(None)`
-/// where the profile is sRGB, and `None` where it has no curves: it is of tables, or not of RGB or grey.
-pub fn linear(profile: &ColorProfile, picture: &DynamicImage) -> Option<Option<(Vec<[f32; 3]>, usize)>> {
-    let to_rec709 = match profile.gray_trc {
-        Some(_) => DMat3::IDENTITY,
-        None => {
-            let rows = profile.transform_matrix(&ColorProfile::new_srgb()).v;
-            DMat3::from_cols_array_2d(&rows).transpose()
-        }
-    };
-    let curve = |curve: &Option<ToneReprCurve>| {
-        profile.gray_trc.as_ref().or(curve.as_ref())?.make_linear_evaluator().ok()
-    };
+/// The linear texels of a picture, clipped to Rec. 709. `Some(None)` where the profile is sRGB, and `None` where
+/// it has no curves: it is of tables, or not of RGB or grey.
+pub fn linear(profile: &ColorProfile, picture: &DynamicImage) -> Option<Option<Texels>> {
+    let grey = profile.gray_trc.as_ref();
+    let rows = profile.transform_matrix(&ColorProfile::new_srgb()).v;
+    let to_rec709 = grey.map_or(DMat3::from_cols_array_2d(&rows).transpose(), |_| DMat3::IDENTITY);
+    let curve = |own: &Option<ToneReprCurve>| grey.or(own.as_ref())?.make_linear_evaluator().ok();
     let curves = [curve(&profile.red_trc)?, curve(&profile.green_trc)?, curve(&profile.blue_trc)?];
     let differs = |x: u8| {
         let (x, srgb) = (f32::from(x) / 255.0, srgb_to_linear(f64::from(x) / 255.0));
@@ -97,11 +91,6 @@ pub fn linear(profile: &ColorProfile, picture: &DynamicImage) -> Option<Option<(
     let value = |&Rgb(pixel): &Rgb<u16>| std::array::from_fn(|at| tables[at][usize::from(pixel[at])]);
     let mut pixels: Vec<[f32; 3]> = picture.to_rgb16().pixels().map(value).collect();
     convert(&mut pixels, to_rec709);
-    let mut clipped = 0;
-    for pixel in &mut pixels {
-        let within = pixel.map(|channel| channel.clamp(0.0, 1.0));
-        clipped += usize::from((0..3).any(|at| f64::from((pixel[at] - within[at]).abs()) > SAME));
-        *pixel = within;
-    }
-    to_rec709.is_finite().then_some(Some((pixels, clipped)))
+    let texel = |pixel: [f32; 3]| Vec3::from(pixel).clamp(Vec3::ZERO, Vec3::ONE).extend(0.0).to_array();
+    to_rec709.is_finite().then(|| Some(Texels::Float32(pixels.into_iter().map(texel).collect())))
 }

@@ -16,10 +16,8 @@ pub struct Radiance {
     pub matrix: DMat3,
     /// What is left out, as clauses.
     pub left_out: Vec<String>,
-    /// Do scan lines run along y?
-    is_turned: bool,
-    /// Do they go against x, from the right, and against y, from the bottom?
-    is_flipped: [bool; 2],
+    /// The directions of scan lines one after the other and of the pixels in one, as `-Y +X`.
+    axes: String,
 }
 
 impl Radiance {
@@ -62,24 +60,19 @@ impl Radiance {
         let unknown =
             || format!("the image is broken: `{resolution}` is no resolution, such as -Y 512 +X 1024");
         let [slow, count, fast, length] = words[..] else { return Err(unknown()) };
-        let (is_turned, x, y) = match (slow, fast) {
-            ("+Y" | "-Y", "+X" | "-X") => (false, fast, slow),
-            ("+X" | "-X", "+Y" | "-Y") => (true, slow, fast),
-            _ => return Err(unknown()),
-        };
-        if is_xyz {
-            matrix = xyz_to_rec709();
+        let axes = format!("{slow} {fast}");
+        if !matches!((slow, fast), ("+Y" | "-Y", "+X" | "-X") | ("+X" | "-X", "+Y" | "-Y")) {
+            return Err(unknown());
         }
         let header = format!("#?RADIANCE\n\n-Y {count} +X {length}\n");
-        let file = [header.as_bytes(), rest].concat();
-        Ok(Self { file, matrix, left_out, is_turned, is_flipped: [x == "-X", y == "+Y"] })
+        let matrix = if is_xyz { xyz_to_rec709() } else { matrix };
+        Ok(Self { file: [header.as_bytes(), rest].concat(), matrix, left_out, axes })
     }
 
     /// The decoded picture as it is seen.
     pub fn turn(&self, picture: DynamicImage) -> DynamicImage {
-        let picture = if self.is_turned { picture.rotate90().fliph() } else { picture };
-        let [from_right, from_bottom] = self.is_flipped;
-        let picture = if from_right { picture.fliph() } else { picture };
-        if from_bottom { picture.flipv() } else { picture }
+        let picture = if self.axes.ends_with('Y') { picture.rotate90().fliph() } else { picture };
+        let picture = if self.axes.contains("-X") { picture.fliph() } else { picture };
+        if self.axes.contains("+Y") { picture.flipv() } else { picture }
     }
 }

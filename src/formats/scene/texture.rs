@@ -153,18 +153,12 @@ fn decode(
     if format == ImageFormat::Jpeg && !has_end(bytes) {
         left_out.push("its end is missing: the last rows may be wrong".to_string());
     }
-    let converted = profile.map(|profile| profile.and_then(|profile| linear(&profile, &picture)));
+    let converted = profile.map(|profile| linear(&profile?, &picture));
     if let Some(None) = converted {
         left_out.push("its colour profile is left out: it is read as sRGB".to_string());
     }
-    let Some((pixels, clipped)) = converted.flatten().flatten() else {
-        return Ok((width, height, display_texels(picture, texel_kind)));
-    };
-    if clipped > 0 {
-        let pixels = counted(clipped, "pixel", "pixels");
-        left_out.push(format!("{pixels} of colours outside Rec. 709 became the nearest in it"));
-    }
-    Ok((width, height, linear_texels(pixels, DMat3::IDENTITY, texel_kind, left_out)))
+    let converted = converted.flatten().flatten();
+    Ok((width, height, converted.unwrap_or_else(|| display_texels(picture, texel_kind))))
 }
 
 /// Whether a JPEG file has the marker that ends its first picture; others may follow. The decoder makes up

@@ -1,6 +1,6 @@
 //! All faults of a text of a native format at once, in the words of its reader.
 //!
-//! For: [`read_all`].
+//! For: [`read_all`], [`fault`].
 
 use super::error::{MAX_FAULTS, SceneError};
 use super::json::{JsonPath, REMOVE_ONE, Source, data_fault, quoted, read};
@@ -44,6 +44,16 @@ pub fn read_all<T: DeserializeOwned>(source: &Source) -> Result<(T, Vec<SceneErr
         faults.extend(fault.map(|fault| fault.at(&source.root(), &fault.place)));
     }
     Err(SceneError::of_all(faults).unwrap_or(first))
+}
+
+/// Returns why the value at a place is no `T`, if there is a value and it is none.
+pub fn fault<T: DeserializeOwned>(place: &JsonPath) -> Option<SceneError> {
+    let mut deserializer = serde_json::Deserializer::from_str(place.value()?);
+    let error = serde_path_to_error::deserialize::<_, T>(&mut deserializer).err()?;
+    let message = error.inner().to_string();
+    let (what, mend) = data_fault(&error.path().to_string(), message.split(" at line ").next()?);
+    let steps: Vec<Step> = error.path().iter().filter_map(step).collect();
+    Some(Fault { place: Vec::new(), what, mend }.at(place, &steps))
 }
 
 fn step(segment: &Segment) -> Option<Step> {

@@ -110,10 +110,8 @@ fn refusal(source: &Source, path: &str, error: &serde_json::Error) -> SceneError
     if error.is_eof() {
         (line, column) = line_and_column(source.text, source.text.trim_end().len());
     }
-    let (what, mend) = if error.is_data() {
+    let (what, mend) = if error.is_data() || message == LONG_LIST && path != "." {
         data_fault(path, message)
-    } else if message == "trailing characters" && path != "." {
-        ("there are too many entries in this list".to_string(), "remove those from here on".to_string())
     } else {
         syntax_fault(message, source.text.lines().nth(line.saturating_sub(1)).unwrap_or_default(), column)
     };
@@ -153,6 +151,9 @@ pub fn quoted(message: &str) -> (&str, Vec<&str>) {
     (quoted.next().unwrap_or_default(), quoted.collect())
 }
 
+/// What serde says of a list with more entries than it may have.
+const LONG_LIST: &str = "trailing characters";
+
 /// What is wrong, and how to mend it, from serde's message.
 pub fn data_fault(path: &str, message: &str) -> (String, String) {
     let (word, known) = quoted(message);
@@ -171,10 +172,20 @@ pub fn data_fault(path: &str, message: &str) -> (String, String) {
         let key = path.rsplit('.').next().unwrap_or(path);
         return (format!("`{key}` cannot be `{word}`"), format!("write one of {}", known.join(", ")));
     }
+    if message == LONG_LIST {
+        return (
+            "there are too many entries in this list".to_string(),
+            "remove those from here on".to_string(),
+        );
+    }
     let message = message
         .replace("expected f64", "expected a number")
         .replace("expected u32", "expected a whole number of 0 or more")
-        .replace("expected a sequence", "expected an array");
+        .replace("expected a JSON number", "expected a whole number of 0 or more")
+        .replace("expected a sequence", "expected an array")
+        .replace("invalid type: sequence", "invalid type: array")
+        .replace("invalid type: map", "invalid type: object")
+        .replace("floating point", "number");
     let mend = match message.rsplit_once("expected ") {
         Some((_, expected)) => format!("write {expected} here"),
         None => "see the scene format".to_string(),

@@ -84,13 +84,21 @@ pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<S
         ),
     })?;
     let own = match &model {
-        Model::Gltf(gltf) => gltf.camera(path, &mut builder),
+        Model::Gltf(gltf) => gltf.camera(path, &mut builder)?,
         Model::Obj(_) | Model::Ply(_) => None,
     };
-    let camera = own.unwrap_or_else(|| builder.scene.framing(None, None));
+    let (camera, aspect) = own.unwrap_or_else(|| (builder.scene.framing(None, None), None));
     if let Some((_, what, _)) = camera.fault() {
         let mend = "scale the model up, or move it nearer to the origin";
         return Err(fault(format!("the mesh cannot be framed: {what}"), mend));
     }
-    builder.finish(name, camera, DEFAULT_RESOLUTION, BOUNCES, SKY).map_err(|error| error.in_file(path))
+    let resolution = aspect.map_or(DEFAULT_RESOLUTION, resolution);
+    builder.finish(name, camera, resolution, BOUNCES, SKY).map_err(|error| error.in_file(path))
+}
+
+/// Returns the resolution of this aspect ratio, width over height, with about as many pixels as the default one.
+fn resolution(aspect: f64) -> [u32; 2] {
+    let [width, height] = DEFAULT_RESOLUTION.map(f64::from);
+    let width = (width * height * aspect).sqrt();
+    [width, width / aspect].map(|side| side.round() as u32)
 }

@@ -76,6 +76,11 @@ impl Textures {
         self.left_out.extend(left_out.into_iter().map(|what| format!("{}: {what}.", path.display())));
         self.add(key, Texture { name: name.to_string(), width, height, filter, texels: change(texels) })
     }
+    /// Keeps the first textures. The others still count as loaded.
+    pub fn truncate(&mut self, count: usize) {
+        self.list.truncate(count);
+        self.known.retain(|_, number| (*number as usize) < count);
+    }
     fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> Result<u32, String> {
         self.bytes += texture.bytes().max(LEAST_BYTES);
         if self.bytes > MAX_BYTES {

@@ -69,7 +69,7 @@ fn what_is_left_out_is_said_with_its_place() {
         ("meshes/0/primitives/0/targets", json!([{}]), "meshes[0].primitives[0]", "morph"),
         ("materials/0/alphaMode", json!("BLEND"), "materials[0].alphaMode", "opaque"),
         ("materials/0/extensions", sheen, "materials[0].extensions.KHR_materials_sheen", "left out"),
-        ("materials/0/pbrMetallicRoughness", gone, "materials[0].pbrMetallicRoughness", "no texture 3"),
+        ("materials/0/pbrMetallicRoughness", gone, "materials[0].pbrMetallicRoughness", "no textures[3]"),
     ] {
         warned(&model(|json| put(json, path, value)), place, what);
     }
@@ -104,23 +104,29 @@ fn broken_files_are_refused_with_place_and_remedy() {
         ("accessors/0/count", json!(u64::MAX), "more elements than the file has bytes for"),
         ("accessors/0/count", json!(2), "uses vertex 2 of 2"),
         ("accessors/0/byteOffset", json!(u64::MAX), "reaches beyond its buffer"),
-        ("accessors/0/bufferView", json!(9), "reaches beyond its buffer"),
-        ("accessors/0/componentType", json!(1), "unknown type"),
+        ("accessors/0/bufferView", json!(9), "bufferViews[9] is missing"),
+        ("accessors/0/componentType", json!(1), "accessors[0].componentType, line 1"),
         ("accessors/0/type", json!("VEC2"), "2 components, not 3"),
         ("accessors/0", huge, "more elements than"),
         ("accessors/1/count", json!(2), "2 values for 4 vertices"),
         ("accessors/3/byteOffset", json!(1), "reaches beyond its buffer"),
         ("bufferViews/0/byteLength", json!(1_u64 << 60), "reaches beyond its buffer"),
-        ("bufferViews/0/byteStride", json!(1), "reaches beyond its buffer"),
-        ("buffers/0/byteLength", json!(1_u64 << 60), "the buffer has 136 bytes"),
+        ("bufferViews/0/byteStride", json!(1), "overlap"),
+        ("buffers/0/byteLength", json!(1_u64 << 60), "buffers[0] has 136 bytes"),
         ("nodes/0/children", json!([0]), "node 0 is the child of two nodes, or of itself"),
-        ("nodes/0/mesh", json!(7), "no mesh 7"),
-        ("nodes/0/camera", json!(0), "no camera 0"),
+        ("nodes/0/mesh", json!(7), "no meshes[7]"),
+        ("nodes/0/camera", json!(0), "no cameras[0]"),
         ("nodes/0/scale", json!([0, 0, 0]), "nothing to see"),
-        ("scenes/0/nodes", json!([4]), "no node 4"),
-        ("meshes/0/primitives/0/material", json!(6), "no material 6"),
-        ("meshes/0/primitives/0/indices", json!(60), "no accessor 60"),
-        ("meshes", odd_mode, "line 1, column"),
+        ("scenes/0/nodes", json!([4]), "no nodes[4]"),
+        ("meshes/0/primitives/0/material", json!(6), "no materials[6]"),
+        ("meshes/0/primitives/0/indices", json!(60), "no accessors[60]"),
+        ("meshes", odd_mode, "meshes[0].primitives[0].mode, line 1, column"),
+        ("meshes", json!({}), "no meshes[0]"),
+        ("nodes/0/translation", json!([1, "2", 3]), "nodes[0].translation[1], line 1, column"),
+        ("nodes/0/scale", json!([1, 2]), "invalid length 2, expected an array of length 3"),
+        ("nodes/0/mesh", json!(-1), "write a whole number of 0 or more here"),
+        ("buffers/0/uri", json!("gone.bin"), "gone.bin: no such file"),
+        ("buffers/0/uri", json!("data:,%00"), "buffers[0] has 1 bytes"),
         ("asset/version", json!("1.0"), "glTF 1.0 is not read"),
         ("asset/minVersion", json!("2.1"), "glTF 2.1 is not read"),
         ("extensionsRequired", json!(["KHR_draco_mesh_compression"]), "compressed"),
@@ -129,6 +135,61 @@ fn broken_files_are_refused_with_place_and_remedy() {
     ] {
         let error = refused(&model(|json| put(json, path, value)));
         assert!(error.contains(what) && error.contains("m.glb"), "{path}, {what}: {error}");
+        assert!(!["struct", "f64", "map,", "sequence"].iter().any(|word| error.contains(word)), "{error}");
+    }
+}
+
+#[test]
+fn what_nobody_reads_refuses_no_model() {
+    let wanted = read(&model(|_| {})).triangles;
+    let anything =
+        [json!("hand-made"), json!([1, null]), json!(true), json!(7.5), json!({ "a": { "b": [] } })];
+    let pointer =
+        json!([{ "channels": [{ "sampler": 0, "target": { "path": "pointer" } }], "samplers": "x" }]);
+    let mut cases: Vec<(&str, Value)> = vec![
+        ("animations", pointer),
+        ("scenes/1", json!({ "name": "Scene.001" })),
+        ("nodes/1", json!({ "mesh": "none", "matrix": [1] })),
+        ("nodes/0/skin", json!("x")),
+        ("skins", json!(4)),
+        ("meshes/1", json!(null)),
+        ("meshes/0/primitives/0/attributes/_ID", json!("x")),
+        ("accessors/4", json!({})),
+        ("accessors/2", json!({ "componentType": 5126, "count": 4, "type": "VEC2" })),
+        ("accessors/0/count", json!(4.0)),
+        ("accessors/0/max", json!("x")),
+        ("bufferViews/2", json!({ "buffer": 7 })),
+        ("buffers/1", json!({ "byteLength": 8, "uri": "gone.bin" })),
+        ("cameras", json!([{ "type": "perspective", "perspective": 5 }])),
+        ("images", json!([{ "uri": "gone.png" }, 3])),
+        ("textures", json!([{}, { "source": "x" }])),
+        ("samplers", json!("x")),
+        ("materials/0/name", json!(12)),
+        ("materials/1", json!([])),
+    ];
+    let objects = [
+        "",
+        "asset/",
+        "scenes/0/",
+        "nodes/0/",
+        "meshes/0/",
+        "meshes/0/primitives/0/",
+        "accessors/0/",
+        "buffers/0/",
+    ];
+    let places = objects.map(|object| [format!("{object}extras"), format!("{object}extensions/VENDOR_x")]);
+    let places: Vec<String> = places.into_iter().flatten().collect();
+    cases
+        .extend(places.iter().flat_map(|place| anything.iter().map(|value| (place.as_str(), value.clone()))));
+    for (path, value) in cases {
+        let json = model(|json| {
+            for list in ["scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers", "materials"] {
+                json[list].as_array_mut().unwrap().push(json!(null));
+            }
+            put(json, path, value.clone());
+        });
+        let loaded = read_with(&json, &square()).unwrap_or_else(|error| panic!("{path} = {value}: {error}"));
+        assert_eq!(loaded.scene.triangles, wanted, "{path} = {value}");
     }
 }
 
@@ -170,7 +231,7 @@ fn copies_of_a_mesh_are_counted_before_they_are_made() {
 #[test]
 fn a_text_file_names_buffers_and_pictures_beside_it() {
     let folder = Folder::new();
-    let json = model(|json| {
+    let mut json = model(|json| {
         json["buffers"][0]["uri"] = json!("a%20b.bin");
         json["images"] = json!([{ "uri": "p.png" }, { "uri": "gone.png" }]);
         json["textures"] = json!([{ "source": 0 }, { "source": 1 }]);
@@ -189,6 +250,10 @@ fn a_text_file_names_buffers_and_pictures_beside_it() {
     assert!(warning.contains("images[1]: the image is left out: no such file"), "{warning}");
     let names: Vec<_> = scene.files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
     assert_eq!(names, ["m.gltf", "a b.bin", "p.png", "gone.png"], "the viewer watches them");
+    // As models from other machines name it.
+    json["images"][0]["uri"] = json!("C:\\textures\\P.PNG");
+    fs::write(&path, json.to_string()).unwrap();
+    assert_eq!(load(path.to_str().unwrap()).unwrap().textures[0].name, "p.png");
     // In a scene, placed, with its own or another material.
     let of = |mesh: Value| {
         let text =
@@ -241,22 +306,35 @@ fn changed_bytes_never_cause_a_panic() {
 fn data_uris_byte_order_marks_and_unknown_chunks_are_read() {
     let folder = Folder::new();
     let path = folder.path("m.gltf");
-    for head in ["data:application/octet-stream;base64", "data:;base64"] {
+    let base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    let percent = format!("{}%80%3f{}%80%3F{}", "%00".repeat(14), "%00".repeat(14), "%00".repeat(4));
+    for uri in [
+        format!("data:application/octet-stream;base64,{base64}"),
+        format!("data:;base64,{}\n{}", &base64[..9], &base64[9..]),
+        format!("DATA:a/b;charset=x;BASE64,%41{}", &base64[1..]),
+        format!("data:application/octet-stream,{percent}"),
+        format!("data:,{percent}"),
+    ] {
         let json = json!({
             "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0 }],
             "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
             "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
             "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
-            "buffers": [{ "uri": format!("{head},AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"), "byteLength": 36 }]
+            "buffers": [{ "uri": uri, "byteLength": 36 }]
         });
         fs::write(&path, format!("\u{feff}{json}")).unwrap();
         let scene = load(path.to_str().unwrap()).unwrap();
         assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::Y]);
     }
     let mut bytes = glb(&model(|_| {}), &square());
-    let at = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    bytes.splice(at..at, *b"\x04\0\0\0XTRAabcd");
     let path = folder.path("m.glb");
+    fs::write(&path, &bytes[..bytes.len() - 144]).unwrap();
+    let error = load(path.to_str().unwrap()).unwrap_err().to_string();
+    assert!(error.contains("the file is cut off"), "{error}");
+    let at = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    bytes[..at].iter_mut().rev().take_while(|byte| **byte == b' ').for_each(|byte| *byte = 0);
+    bytes.splice(at..at, *b"\x04\0\0\0XTRAabcd");
+    bytes.extend(b"more than the header says");
     fs::write(&path, bytes).unwrap();
     assert_eq!(load(path.to_str().unwrap()).unwrap().triangles.len(), 2);
 }

@@ -1,7 +1,8 @@
 //! Triangles and cameras of glTF models: nodes, accessors, modes.
 
-use super::{append, floats, model, placed, read, read_with, refused, square};
+use super::{Loaded, append, floats, model, placed, read, read_with, refused, square};
 use glam::{Vec3, vec3};
+use octray::scene::load;
 use serde_json::json;
 
 #[test]
@@ -77,6 +78,46 @@ fn numbers_may_be_quantised_and_sparse() {
     let scene = read_with(&json, &binary).unwrap().scene;
     assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, -1.0)]);
     assert_eq!(scene.triangles[1].vertices[2], Vec3::Y);
+}
+
+#[test]
+fn node_chains_in_coordinates_of_a_map_keep_every_digit() {
+    let (x, z) = (447_321.6, -5_411_873.7);
+    let json = model(|json| {
+        json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 0.5 } }]);
+        let matrix = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x + 0.25, 0.0, z, 1.0];
+        json["nodes"] = json!([
+            { "mesh": 0, "translation": [x, 0, z] }, { "mesh": 0, "matrix": matrix },
+            { "children": [3], "translation": [0.3, 0, z] },
+            { "children": [4], "translation": [-x, 1e-3, 0] }, { "mesh": 0, "translation": [2.0 * x + 0.2, 0, 0] },
+            { "camera": 0, "translation": [x, 0.125, z + 9.0] }
+        ]);
+        json["scenes"][0]["nodes"] = json!([0, 1, 2, 5]);
+    });
+    let Loaded { path, folder: _folder, .. } = read_with(&json, &square()).unwrap();
+    let scene = load(path.to_str().unwrap()).unwrap();
+    let [first, second, third] = [0, 2, 4].map(|triangle: usize| scene.triangles[triangle].vertices[0]);
+    assert!((second - first).abs_diff_eq(vec3(0.25, 0.0, 0.0), 1e-9), "{}", second - first);
+    assert!((third - first).abs_diff_eq(vec3(0.5, 1e-3, 0.0), 1e-7), "{}", third - first);
+    let camera = scene.camera.position - first;
+    assert!(camera.abs_diff_eq(vec3(0.0, 0.125, 9.0), 1e-6), "{camera}");
+}
+
+#[test]
+fn a_camera_with_an_aspect_ratio_gives_its_resolution() {
+    for (aspect, resolution) in
+        [(16.0 / 9.0, [240, 135]), (0.5, [127, 255]), (1.0, [180, 180]), (1e9, [240, 135])]
+    {
+        let scene = read(&model(|json| {
+            let perspective = json!({ "yfov": 0.5, "aspectRatio": aspect });
+            json["cameras"] = json!([{ "type": "perspective", "perspective": perspective }]);
+            json["nodes"] =
+                json!([{ "mesh": 0, "children": [1] }, { "camera": 0, "translation": [0, 0, 7] }]);
+        }));
+        assert_eq!((scene.resolution, scene.camera.position.z), (resolution, 7.0));
+        let is_told = scene.warnings.iter().any(|warning| warning.contains("the aspect ratio 1000000000"));
+        assert_eq!(is_told, aspect > 64.0, "{:?}", scene.warnings);
+    }
 }
 
 #[test]
@@ -168,9 +209,11 @@ fn numbers_that_are_none_are_refused() {
     let json = model(|json| json["accessors"][3]["componentType"] = json!(5120));
     let error = read_with(&json, &binary).err().unwrap();
     assert!(error.contains("these are not indices of vertices"), "{error}");
-    let error =
-        refused(&model(|json| json["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": 4 }))));
-    assert!(error.contains("buffers[1]") && error.contains("without a binary part"), "{error}");
+    let error = refused(&model(|json| {
+        json["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": 4 }));
+        json["bufferViews"][0]["buffer"] = json!(1);
+    }));
+    assert!(error.contains("buffers[1]") && error.contains("the file has no binary part"), "{error}");
 }
 
 #[test]

@@ -221,6 +221,33 @@ fn glass_is_what_transmits_and_is_no_metal() {
     }
 }
 
+/// The picture has no blue, and red in one half.
+#[test]
+fn textures_decide_what_transmits() {
+    let pane = MaterialKind::ThinGlass { ior: 1.5 };
+    let opaque = MaterialKind::MetalRough { roughness: 0.0, metallic: 1.0, ior: 1.5 };
+    for (roughness, transmission, kind, warning) in [
+        (0.0, json!({ "transmissionFactor": 1 }), pane, None),
+        (1.0, json!({ "transmissionFactor": 1 }), pane, Some("rough glass is shown smooth")),
+        (
+            0.0,
+            json!({ "transmissionFactor": 1, "transmissionTexture": { "index": 1 } }),
+            opaque,
+            Some("transmission varies over the textures: the surface is shown opaque"),
+        ),
+    ] {
+        let (json, binary) = pictured(|json| {
+            let pbr = json!({ "roughnessFactor": roughness, "metallicRoughnessTexture": { "index": 0 } });
+            let extensions = json!({ "KHR_materials_transmission": transmission });
+            json["materials"][0] = json!({ "pbrMetallicRoughness": pbr, "extensions": extensions });
+        });
+        let scene = read_with(&json, &binary).unwrap().scene;
+        assert_eq!(scene.materials[0].kind, kind, "{transmission}");
+        assert_eq!(scene.warnings.len(), usize::from(warning.is_some()), "{:?}", scene.warnings);
+        assert!(warning.is_none_or(|warning| scene.warnings[0].contains(warning)), "{:?}", scene.warnings);
+    }
+}
+
 #[test]
 fn what_of_textures_is_left_out_is_said_with_its_place() {
     let warned = |change: &dyn Fn(&mut Value), place: &str, what: &str| {

@@ -1,14 +1,10 @@
 //! Accessors: numbers in buffers, of any component type, interleaved, normalised or sparse.
-//!
-//! For: [`Accessors`], [`Numbers`].
 
 use super::super::error::SceneError;
 use super::super::json::JsonPath;
 use super::super::scalar::{Kind, Scalar};
 use super::bytes::{self, Document, broken};
-use gltf_json::accessor::sparse::Sparse;
-use gltf_json::accessor::{Accessor, ComponentType, Type};
-use gltf_json::validation::Checked;
+use super::schema::{Accessor, Whole};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -35,12 +31,6 @@ pub struct Accessors<'a> {
     /// or that have no data, cannot take more memory than the file's size accounts for.
     left: usize,
 }
-
-/// What is wrong with an accessor.
-type Fault = &'static str;
-const OUTSIDE: Fault = "the accessor reaches beyond its buffer";
-const TOO_MANY: Fault = "the accessor has more elements than the file has bytes for";
-const UNKNOWN_TYPE: Fault = "the accessor has an unknown type";
 
 impl<'a> Accessors<'a> {
     pub fn new(document: &'a Document<'a>) -> Self {
@@ -80,79 +70,85 @@ impl<'a> Accessors<'a> {
         if let Some(known) = self.read.get(&index) {
             return Ok(Rc::clone(known));
         }
-        let Some(accessor) = self.document.root.accessors.get(index) else {
-            return Err(broken(place, format!("there is no accessor {index}")));
-        };
-        let numbers = self
-            .decode(accessor)
-            .map_err(|fault| broken(&self.document.source.root().key("accessors").item(index), fault))?;
-        let numbers = Rc::new(numbers);
+        let document = self.document;
+        let accessor = document.get(&document.root.accessors, "accessors", index, place)?;
+        let root = document.source.root();
+        let numbers = Rc::new(self.decode(accessor, &root.key("accessors").item(index))?);
         self.read.insert(index, Rc::clone(&numbers));
         Ok(numbers)
     }
 
     /// Takes from the numbers that may still be read.
-    fn take(&mut self, count: usize, components: usize) -> Result<usize, Fault> {
-        let length = count.checked_mul(components).filter(|&length| length <= self.left).ok_or(TOO_MANY)?;
-        self.left -= length;
-        Ok(length)
+    fn take(&mut self, count: usize, components: usize, place: &JsonPath) -> Result<usize, SceneError> {
+        let length = count.checked_mul(components).filter(|&length| length <= self.left);
+        self.left -= length.unwrap_or(0);
+        length.ok_or_else(|| broken(place, "the accessor has more elements than the file has bytes for"))
     }
 
-    fn decode(&mut self, accessor: &Accessor) -> Result<Numbers, Fault> {
-        let (Checked::Valid(component), Checked::Valid(kind)) = (accessor.component_type, accessor.type_)
-        else {
-            return Err(UNKNOWN_TYPE);
-        };
-        let components = match kind {
-            Type::Scalar => 1,
-            Type::Vec2 => 2,
-            Type::Vec3 => 3,
-            Type::Vec4 => 4,
-            // No attribute of a mesh has one.
-            Type::Mat2 | Type::Mat3 | Type::Mat4 => return Err(UNKNOWN_TYPE),
-        };
-        let count = usize::try_from(accessor.count.0).map_err(|_| TOO_MANY)?;
-        let length = self.take(count, components)?;
-        let layout = Layout::new(component.0, components, accessor.normalized);
-        let mut values = match accessor.buffer_view {
-            Some(view) => {
-                self.elements(view.value(), accessor.byte_offset.unwrap_or_default().0, count, layout)?
+    fn decode(&mut self, accessor: &Accessor, place: &JsonPath) -> Result<Numbers, SceneError> {
+        let components = match accessor.kind.as_str() {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            "VEC4" => 4,
+            // No attribute of a mesh is a matrix.
+            other => {
+                let what = format!("a mesh has no numbers of the type `{other}`");
+                return Err(place.key("type").error(what, "write SCALAR, VEC2, VEC3 or VEC4"));
             }
-            None if accessor.sparse.is_some() => vec![0.0; length],
-            None => return Err(OUTSIDE),
         };
-        if let Some(Sparse { count, indices, values: replaced, .. }) = &accessor.sparse {
-            let count = usize::try_from(count.0).map_err(|_| TOO_MANY)?;
-            self.take(count, components + 1)?;
-            let Checked::Valid(component) = indices.component_type else { return Err(UNKNOWN_TYPE) };
-            let of_indices = Layout::new(component.0, 1, false);
-            let indices =
-                self.elements(indices.buffer_view.value(), indices.byte_offset.0, count, of_indices)?;
-            let replaced =
-                self.elements(replaced.buffer_view.value(), replaced.byte_offset.0, count, layout)?;
+        let count = accessor.count.0;
+        let length = self.take(count, components, place)?;
+        let layout = Layout::new(accessor.component_type, components, accessor.normalized, place)?;
+        let mut values = match accessor.buffer_view {
+            Some(view) => self.elements([view, accessor.byte_offset], count, layout, place)?,
+            None => vec![0.0; length],
+        };
+        if let Some(sparse) = &accessor.sparse {
+            let place = place.key("sparse");
+            let count = sparse.count.0;
+            self.take(count, components + 1, &place)?;
+            let part = place.key("indices");
+            let of_indices = Layout::new(sparse.indices.component_type, 1, false, &part)?;
+            let indices = [sparse.indices.buffer_view, sparse.indices.byte_offset];
+            let indices = self.elements(indices, count, of_indices, &part)?;
+            let replaced = [sparse.values.buffer_view, sparse.values.byte_offset];
+            let replaced = self.elements(replaced, count, layout, &place.key("values"))?;
             for (&element, new) in indices.iter().zip(replaced.chunks_exact(components)) {
                 let start = element as usize * components;
-                values.get_mut(start..start + components).ok_or(OUTSIDE)?.copy_from_slice(new);
+                let old = values.get_mut(start..start + components);
+                let outside = || broken(&part, format!("the accessor has no element {element}"));
+                old.ok_or_else(outside)?.copy_from_slice(new);
             }
         }
         Ok(Numbers { count, components, values })
     }
 
     /// Elements of a buffer view, from a byte of it on.
-    fn elements(&self, view: usize, offset: u64, count: usize, layout: Layout) -> Result<Vec<f64>, Fault> {
-        let (view, bytes) = self.document.view(view).ok_or(OUTSIDE)?;
-        let offset = usize::try_from(offset).map_err(|_| OUTSIDE)?;
-        let bytes = bytes.get(offset..).ok_or(OUTSIDE)?;
+    fn elements(
+        &self,
+        [view, offset]: [Whole; 2],
+        count: usize,
+        layout: Layout,
+        place: &JsonPath,
+    ) -> Result<Vec<f64>, SceneError> {
+        let mend = "put the files that the model names beside it, or export it again, as .glb";
+        let (view, bytes) = self.document.view(view.0).map_err(|why| place.error(why, mend))?;
         let size = layout.size();
         let stride = view.byte_stride.map_or(size, |stride| stride.0);
+        if stride < size {
+            return Err(broken(
+                place,
+                format!("its elements of {size} bytes overlap: one begins every {stride}"),
+            ));
+        }
         // The last element needs no stride.
         let needed = match count {
             0 => Some(0),
             _ => (count - 1).checked_mul(stride).and_then(|bytes| bytes.checked_add(size)),
         };
-        if stride < size || needed.is_none_or(|needed| needed > bytes.len()) {
-            return Err(OUTSIDE);
-        }
+        let bytes = bytes.get(offset.0..).filter(|bytes| needed.is_some_and(|needed| needed <= bytes.len()));
+        let bytes = bytes.ok_or_else(|| broken(place, "the accessor reaches beyond its buffer view"))?;
         let mut values = Vec::with_capacity(count * layout.components);
         for element in 0..count {
             layout.read(&bytes[element * stride..][..size], &mut values);
@@ -170,13 +166,26 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(component: ComponentType, components: usize, normalized: bool) -> Self {
-        let kind = match component {
-            ComponentType::I8 | ComponentType::I16 => Kind::Signed,
-            ComponentType::U8 | ComponentType::U16 | ComponentType::U32 => Kind::Unsigned,
-            ComponentType::F32 => Kind::Real,
+    fn new(
+        Whole(component): Whole,
+        components: usize,
+        normalized: bool,
+        place: &JsonPath,
+    ) -> Result<Self, SceneError> {
+        let (kind, bytes) = match component {
+            5120 => (Kind::Signed, 1),
+            5121 => (Kind::Unsigned, 1),
+            5122 => (Kind::Signed, 2),
+            5123 => (Kind::Unsigned, 2),
+            5125 => (Kind::Unsigned, 4),
+            5126 => (Kind::Real, 4),
+            _ => {
+                let what = format!("the component type {component} is unknown");
+                let mend = "write 5120, 5121, 5122, 5123, 5125 or 5126";
+                return Err(place.key("componentType").error(what, mend));
+            }
         };
-        Self { scalar: Scalar { kind, bytes: component.size() }, components, normalized }
+        Ok(Self { scalar: Scalar { kind, bytes }, components, normalized: normalized && kind != Kind::Real })
     }
     /// Bytes of an element.
     fn size(self) -> usize {

@@ -1,19 +1,18 @@
 //! The bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
-//!
-//! For: [`split`], [`buffers`], [`Document`], [`from_uri`], and the error [`broken`].
 
 use super::super::error::SceneError;
+use super::super::faults::fault;
 use super::super::files::{Files, has_extension};
 use super::super::json::{JsonPath, Source};
+use super::schema::{List, Root, View};
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use gltf_json::Root;
-use gltf_json::buffer::View;
 use percent_encoding::percent_decode_str;
+use serde::de::DeserializeOwned;
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 
 const EXPORT_AGAIN: &str = "export the model again";
@@ -25,17 +24,18 @@ pub fn broken(place: &JsonPath, what: impl Into<String>) -> SceneError {
 
 /// The JSON text, and the binary part of a .glb file, of which all lengths are checked.
 pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a [u8]>), SceneError> {
-    let fault = |what: String| SceneError::new(what).in_file(path).mend(EXPORT_AGAIN);
+    let refused = |what: String| SceneError::new(what).in_file(path).mend(EXPORT_AGAIN);
     let text = |bytes: &'a [u8], what: &str| {
-        let text = std::str::from_utf8(bytes).map_err(|_| fault(what.into()))?;
-        Ok(text.trim_start_matches('\u{feff}'))
+        let text = std::str::from_utf8(bytes).map_err(|_| refused(what.into()))?;
+        // Some writers fill the chunk with zeros.
+        Ok(text.trim_start_matches('\u{feff}').trim_end_matches('\0'))
     };
     if !content.starts_with(b"glTF") {
         let neither =
             |nor: &str| format!("this is not glTF: neither binary, which begins with `glTF`, nor {nor}");
         let text = text(content, &neither("text in UTF-8"))?;
         if has_extension(path, "glb") && !text.trim_start().starts_with('{') {
-            return Err(fault(neither("JSON")));
+            return Err(refused(neither("JSON")));
         }
         return Ok((text, None));
     }
@@ -44,13 +44,18 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
         Some(u32::from_le_bytes(bytes.try_into().expect("four bytes")))
     };
     if word(4) != Some(2) {
-        return Err(fault("this is not binary glTF of version 2".into()));
+        return Err(refused("this is not binary glTF of version 2".into()));
+    }
+    let length = word(8).unwrap_or(u32::MAX) as usize;
+    if length > content.len() {
+        let what = format!("the file is cut off: it should have {length} bytes, and has {}", content.len());
+        return Err(refused(what));
     }
     let (mut json, mut binary, mut at) = (None, None, 12);
-    while let (Some(length), Some(kind)) = (word(at), word(at + 4)) {
+    while let (Some(length), Some(kind)) = (word(at).filter(|_| at < length), word(at + 4)) {
         let chunk = content.get(at + 8..).and_then(|rest| rest.get(..length as usize)).ok_or_else(|| {
             let rest = content.len() - at - 8;
-            fault(format!("a chunk at byte {at} says it has {length} bytes, and the file has {rest} more"))
+            refused(format!("a chunk at byte {at} says it has {length} bytes, and the file has {rest} more"))
         })?;
         match &kind.to_le_bytes() {
             b"JSON" if json.is_none() => json = Some(text(chunk, "the JSON is not UTF-8")?),
@@ -60,89 +65,107 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
         }
         at += 8 + chunk.len();
     }
-    Ok((json.ok_or_else(|| fault("the file has no JSON chunk".into()))?, binary))
+    Ok((json.ok_or_else(|| refused("the file has no JSON chunk".into()))?, binary))
 }
 
-/// The content of a buffer, at least as long as the buffer. Buffers of the same file share it.
-pub type Buffer = Rc<[u8]>;
+/// The content of a buffer. Buffers of the same file share it.
+pub type Content = Rc<[u8]>;
 
 /// The bytes of all buffers, each file counted once.
-pub fn total(buffers: &[Buffer]) -> usize {
+pub fn total(buffers: &[Result<Content, String>]) -> usize {
     let mut seen = HashSet::new();
-    buffers.iter().filter(|buffer| seen.insert(Rc::as_ptr(buffer))).map(|buffer| buffer.len()).sum()
+    let contents = buffers.iter().flatten();
+    contents.filter(|content| seen.insert(Rc::as_ptr(content))).map(|content| content.len()).sum()
 }
 
-/// The content of every buffer.
+/// The content of every buffer, or why there is none.
 pub fn buffers(
-    source: &Source,
     root: &Root,
     binary: Option<&[u8]>,
+    model: &Path,
     files: &Files,
-) -> Result<Vec<Buffer>, SceneError> {
-    let list = source.root();
-    let list = list.key("buffers");
-    let mut buffers = Vec::new();
-    let mut read: HashMap<&str, Buffer> = HashMap::new();
-    for (index, buffer) in root.buffers.iter().enumerate() {
-        let place = list.item(index);
-        let content = match (buffer.uri.as_deref(), binary) {
-            (Some(uri), _) if read.contains_key(uri) => Rc::clone(&read[uri]),
-            (Some(uri), _) => {
-                let content = from_uri(uri, source.file, files).map_err(|reason| {
-                    let mend = "put the file beside the model, or export the model as .glb";
-                    place.key("uri").error(format!("cannot read a buffer: {reason}"), mend)
-                })?;
-                Rc::clone(read.entry(uri).or_insert(content.into()))
-            }
-            (None, Some(binary)) if index == 0 => binary.into(),
-            (None, _) => return Err(broken(&place, "a buffer without `uri` and without a binary part")),
+) -> Vec<Result<Content, String>> {
+    let mut known: HashMap<&str, Content> = HashMap::new();
+    let mut contents = vec![Err(String::new()); root.buffers.len()];
+    for (index, buffer) in root.buffers.iter() {
+        contents[index] = match (buffer.uri.as_deref(), binary) {
+            (Some(uri), _) if known.contains_key(uri) => Ok(Rc::clone(&known[uri])),
+            (Some(uri), _) => from_uri(uri, model, files).map(Content::from),
+            (None, Some(binary)) if index == 0 => Ok(binary.into()),
+            (None, _) => Err("it is missing, and the file has no binary part".to_string()),
         };
-        let length = buffer.byte_length.0;
-        if (content.len() as u64) < length {
-            let what = format!("the buffer has {} bytes, not {length}", content.len());
-            return Err(broken(&place.key("byteLength"), what));
+        if let (Some(uri), Ok(content)) = (&buffer.uri, &contents[index]) {
+            known.insert(uri, Rc::clone(content));
         }
-        buffers.push(content);
     }
-    Ok(buffers)
+    contents
 }
 
 /// A file's JSON and its buffers.
 pub struct Document<'a> {
     pub source: Source<'a>,
     pub root: &'a Root,
-    pub buffers: &'a [Buffer],
+    pub buffers: &'a [Result<Content, String>],
 }
 
 impl Document<'_> {
-    /// A buffer view and its bytes; `None` where it reaches beyond its buffer, or where there is none.
-    pub fn view(&self, index: usize) -> Option<(&View, &[u8])> {
-        let view = self.root.buffer_views.get(index)?;
-        let buffer = self.buffers.get(view.buffer.value())?;
-        let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok()?;
-        let length = usize::try_from(view.byte_length.0).ok()?;
-        Some((view, buffer.get(start..)?.get(..length)?))
+    /// An entry of the list at the key `name`, which the value at `user` names by its index.
+    pub fn get<'l, T: DeserializeOwned>(
+        &self,
+        list: &'l List<T>,
+        name: &str,
+        index: usize,
+        user: &JsonPath,
+    ) -> Result<&'l T, SceneError> {
+        list.at(index).ok_or_else(|| {
+            let missing = || broken(user, format!("there is no {name}[{index}]"));
+            fault::<T>(&self.source.root().key(name).item(index)).unwrap_or_else(missing)
+        })
+    }
+    /// A buffer view and its bytes, or what is wrong.
+    pub fn view(&self, index: usize) -> Result<(&View, &[u8]), String> {
+        let broken = |what: &str| format!("{what} is missing, or not as glTF has it");
+        let view =
+            self.root.buffer_views.at(index).ok_or_else(|| broken(&format!("bufferViews[{index}]")))?;
+        let name = format!("buffers[{}]", view.buffer.0);
+        let buffer = self.root.buffers.at(view.buffer.0).ok_or_else(|| broken(&name))?;
+        let content = self.buffers[view.buffer.0].as_ref().map_err(|why| format!("{name}.uri: {why}"))?;
+        if content.len() < buffer.byte_length.0 {
+            return Err(format!("{name} has {} bytes, not {}", content.len(), buffer.byte_length.0));
+        }
+        let bytes = content.get(view.byte_offset.0..).and_then(|rest| rest.get(..view.byte_length.0));
+        Ok((view, bytes.ok_or_else(|| format!("bufferViews[{index}] reaches beyond its buffer"))?))
     }
 }
 
 /// The content that a URI names: a data URI, or a file beside the model.
 pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
-    if is_data(uri) {
-        let data = uri.split_once(";base64,").and_then(|(_, data)| BASE64.decode(data).ok());
-        return data.ok_or_else(|| "a data URI is not base64".to_string());
+    match data(uri) {
+        Some(data) => decoded_data(data),
+        None => {
+            let name = decoded(uri);
+            files.find(&name, [model; 2], |path| files.read(path)).map_err(|why| format!("{name}: {why}"))
+        }
     }
-    let path = path(uri, model);
-    files.read(&path).map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
-/// The file that a URI names.
-pub fn path(uri: &str, model: &Path) -> PathBuf {
-    model.with_file_name(decoded(uri))
+/// What follows the scheme of a data URI.
+pub fn data(uri: &str) -> Option<&str> {
+    let (scheme, data) = uri.split_once(':')?;
+    scheme.eq_ignore_ascii_case("data").then_some(data)
 }
 
-/// Whether a URI is content and not a name.
-pub fn is_data(uri: &str) -> bool {
-    uri.starts_with("data:") && uri.contains(',')
+/// The content of a data URI (RFC 2397): percent-encoded, and base64 beneath that where it says so.
+fn decoded_data(data: &str) -> Result<Vec<u8>, String> {
+    let (header, data) = data.split_once(',').ok_or("a data URI has no comma before its data")?;
+    let bytes = Cow::from(percent_decode_str(data));
+    if header.rsplit(';').next().is_none_or(|last| !last.trim().eq_ignore_ascii_case("base64")) {
+        return Ok(bytes.into_owned());
+    }
+    // Some writers break lines.
+    let in_one_line = || bytes.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect::<Vec<_>>();
+    let content = BASE64.decode(&bytes).or_else(|_| BASE64.decode(in_one_line()));
+    content.map_err(|_| "a data URI is not base64".to_string())
 }
 
 /// Percent-encoded bytes decoded.

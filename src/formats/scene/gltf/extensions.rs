@@ -1,6 +1,4 @@
 //! Extensions: which are read, and notes about all others.
-//!
-//! For: [`READ`], [`COMPRESSIONS`], [`note_ignored`].
 
 use super::super::json::{JsonPath, Source};
 use super::super::notes::Notes;
@@ -25,8 +23,10 @@ pub const COMPRESSIONS: [&str; 3] =
 /// model has its `own` materials.
 pub fn note_ignored(source: &Source, own: bool, notes: &mut Notes) {
     let Ok(mut root) = serde_json::from_str::<Value>(source.text) else { return };
-    if !own && let Some(root) = root.as_object_mut() {
-        root.retain(|key, _| !["materials", "textures", "images", "samplers"].contains(&key.as_str()));
+    let of_materials = ["materials", "textures", "images", "samplers"];
+    if let Some(root) = root.as_object_mut() {
+        // Animations are left out as a whole.
+        root.retain(|key, _| key != "animations" && (own || !of_materials.contains(&key.as_str())));
     }
     visit(&source.root(), &root, notes);
 }

@@ -1,6 +1,4 @@
 //! The triangles of a primitive, and their way into the scene.
-//!
-//! For: [`Geometry`], [`read`], [`Transform`].
 
 use super::super::builder::{Attributes, SceneBuilder};
 use super::super::check::fits;
@@ -11,11 +9,14 @@ use super::super::notes::Notes;
 use super::super::placement::Placement;
 use super::accessor::{Accessors, Numbers};
 use super::bytes::broken;
-use super::material::{self, Added};
+use super::material::Added;
+use super::schema::{Lenient, Primitive};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
-use gltf_json::mesh::{Mode, Primitive, Semantic};
-use gltf_json::validation::Checked;
 use std::rc::Rc;
+
+/// Modes of primitives. The third one of triangles is a strip.
+const LIST: usize = 4;
+const FAN: usize = 6;
 
 /// The numbers of one primitive; primitives and nodes share them.
 pub struct Geometry {
@@ -24,7 +25,7 @@ pub struct Geometry {
     uvs: Option<Rc<Numbers>>,
     colors: Option<Rc<Numbers>>,
     indices: Option<Rc<Numbers>>,
-    mode: Mode,
+    mode: usize,
     has_tangents: bool,
 }
 
@@ -62,15 +63,15 @@ impl Geometry {
     }
     pub fn triangles(&self) -> usize {
         match self.mode {
-            Mode::Triangles => self.corners() / 3,
+            LIST => self.corners() / 3,
             _ => self.corners().saturating_sub(2),
         }
     }
     /// The vertices of a triangle, in the order that makes its front counter-clockwise.
     fn triangle(&self, number: usize) -> [usize; 3] {
         let corners = match self.mode {
-            Mode::Triangles => [3 * number, 3 * number + 1, 3 * number + 2],
-            Mode::TriangleFan => [0, number + 1, number + 2],
+            LIST => [3 * number, 3 * number + 1, 3 * number + 2],
+            FAN => [0, number + 1, number + 2],
             _ if number.is_multiple_of(2) => [number, number + 1, number + 2],
             _ => [number + 1, number, number + 2],
         };
@@ -79,57 +80,52 @@ impl Geometry {
     }
 }
 
-/// The numbers of a primitive; `None`, with a note, where it is not made of triangles.
+/// The numbers of a primitive; `None`, with a note, where it is not made of triangles. Texture coordinates are
+/// those of this `set`.
 pub fn read(
     accessors: &mut Accessors,
     primitive: &Primitive,
+    set: usize,
     place: &JsonPath,
     notes: &mut Notes,
 ) -> Result<Option<Geometry>, SceneError> {
-    if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
+    if primitive.targets.0.as_ref().is_some_and(|targets| !targets.is_empty()) {
         notes.add(place, "morph targets are not read: the mesh is shown as it is without them");
     }
-    let mode = match primitive.mode {
-        Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
-        Checked::Valid(_) => {
+    let mode = primitive.mode.map_or(LIST, |mode| mode.0);
+    match mode {
+        LIST..=FAN => {}
+        0..LIST => {
             notes.add(place, "points and lines are left out");
             return Ok(None);
         }
-        Checked::Invalid => {
-            return Err(place.key("mode").error("the mode is unknown", "write a number from 0 to 6"));
-        }
-    };
+        _ => return Err(place.key("mode").error("the mode is unknown", "write a number from 0 to 6")),
+    }
     let attributes = place.key("attributes");
-    let set = material::uv_set(primitive, accessors.document.root);
-    let mut read = |semantic: Semantic, key: &'static str, components: &[usize]| {
-        let index = primitive.attributes.get(&Checked::Valid(semantic));
-        index.map(|index| accessors.vertices(index.value(), components, &attributes.key(key))).transpose()
+    let mut read = |key: &str, components: &[usize], vertices: usize| {
+        let Some(Lenient(index)) = primitive.attributes.get(key) else { return Ok(None) };
+        let place = attributes.key(key);
+        let index = index.ok_or_else(|| broken(&place, "this is not the index of an accessor"))?;
+        let numbers = accessors.vertices(index.0, components, &place)?;
+        if numbers.count < vertices {
+            return Err(broken(&place, format!("{} values for {vertices} vertices", numbers.count)));
+        }
+        Ok(Some(numbers))
     };
-    let Some(positions) = read(Semantic::Positions, "POSITION", &[3])? else {
+    let Some(positions) = read("POSITION", &[3], 0)? else {
         notes.add(place, "a mesh without positions is left out");
         return Ok(None);
     };
-    let normals = read(Semantic::Normals, "NORMAL", &[3])?;
-    let colors = read(Semantic::Colors(0), "COLOR_0", &[3, 4])?;
-    let uv_key = match set {
-        0 => "TEXCOORD_0",
-        1 => "TEXCOORD_1",
-        _ => "attributes",
-    };
-    let uvs = read(Semantic::TexCoords(set), uv_key, &[2])?;
-    for (numbers, key) in [(&normals, "NORMAL"), (&colors, "COLOR_0"), (&uvs, "TEXCOORD_0")] {
-        if let Some(numbers) = numbers.as_ref().filter(|numbers| numbers.count < positions.count) {
-            let what = format!("{} values for {} vertices", numbers.count, positions.count);
-            return Err(broken(&attributes.key(key), what));
-        }
-    }
+    let normals = read("NORMAL", &[3], positions.count)?;
+    let colors = read("COLOR_0", &[3, 4], positions.count)?;
+    let uvs = read(&format!("TEXCOORD_{set}"), &[2], positions.count)?;
     let place = place.key("indices");
-    let indices = primitive.indices.map(|index| accessors.indices(index.value(), &place)).transpose()?;
+    let indices = primitive.indices.map(|index| accessors.indices(index.0, &place)).transpose()?;
     let mut values = indices.iter().flat_map(|indices| &indices.values);
     if let Some(outside) = values.find(|&&index| index >= positions.count as f64) {
         return Err(broken(&place, format!("the mesh uses vertex {outside} of {}", positions.count)));
     }
-    let has_tangents = primitive.attributes.contains_key(&Checked::Valid(Semantic::Tangents));
+    let has_tangents = primitive.attributes.contains_key("TANGENT");
     Ok(Some(Geometry { positions, normals, uvs, colors, indices, mode, has_tangents }))
 }
 

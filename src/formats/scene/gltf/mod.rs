@@ -1,23 +1,12 @@
 //! glTF 2.0: from a file to the triangles, materials and camera of a scene.
 //!
-//! For: [`read`], [`Gltf`].
-//!
-//! | file | what it does |
-//! |---|---|
-//! | `bytes` | binary files, buffers, data URIs |
-//! | `accessor` | numbers in buffers |
-//! | `geometry` | triangles, and their way into the scene |
-//! | `extensions` | which are read; notes about the others |
-//! | `nodes` | the tree of nodes as placed meshes and a camera |
-//! | `material`, `texture` | materials and their textures |
-//!
 //! Meshes are copied to every node that shows them, because the hierarchy is flat: instances share the
 //! numbers read from the file while it is loaded, and their materials and textures, but no triangles. A file
 //! may be hostile: no number in it is used as an index or a size before it is checked, nodes are visited
 //! once, and [`MAX_COPIES`] bounds what copies add up to.
 //!
-//! The types come from `gltf-json`, the data types of the `gltf` crate. The rest of that crate is not used:
-//! its validation and its readers index by numbers from the file.
+//! What nobody reads is no fault: lists hold their entries as far as these are as the standard has them, and a
+//! fault is told where an entry is used.
 
 mod accessor;
 mod bytes;
@@ -25,6 +14,7 @@ mod extensions;
 mod geometry;
 mod material;
 mod nodes;
+mod schema;
 mod texture;
 
 use super::builder::{MAX_COPIES, SceneBuilder};
@@ -38,20 +28,19 @@ use accessor::Accessors;
 use bytes::Document;
 use geometry::{Geometry, Transform};
 use glam::DVec4;
-use gltf_json::Root;
 use material::{Added, Materials};
 use octray_engine::scene::{Camera, Material, MaterialKind};
+use schema::Root;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
-use texture::UvMap;
 
 /// A glTF file, read. Its geometry is checked by [`Gltf::add`].
 pub struct Gltf {
     root: Root,
     /// The text of the JSON part, for messages.
     text: String,
-    buffers: Vec<bytes::Buffer>,
+    buffers: Vec<Result<bytes::Content, String>>,
     nodes: nodes::Placed,
 }
 
@@ -61,10 +50,11 @@ pub fn read(content: &[u8], path: &Path, files: &Files) -> Result<Gltf, SceneErr
     let source = Source { file: path, text };
     let root: Root = super::json::read(&source)?;
     let place = source.root();
-    let needed = root.asset.min_version.as_ref().filter(|least| *least != "2.0");
-    if let Some(version) = needed.or(Some(&root.asset.version).filter(|version| !version.starts_with("2."))) {
-        let what = format!("glTF {version} is not read");
-        return Err(place.key("asset").key("version").error(what, "export the model as glTF 2.0"));
+    let version = root.asset.version.as_deref().unwrap_or("without a version");
+    let needed = root.asset.min_version.as_deref().filter(|least| *least != "2.0");
+    if let Some(version) = needed.or(Some(version).filter(|version| !version.starts_with('2'))) {
+        let mend = "export the model as glTF 2.0, which has \"asset\": { \"version\": \"2.0\" }";
+        return Err(place.key("asset").key("version").error(format!("glTF {version} is not read"), mend));
     }
     let mut required = root.extensions_required.iter().enumerate();
     if let Some((index, name)) = required.find(|(_, name)| !extensions::READ.contains(&name.as_str())) {
@@ -74,12 +64,18 @@ pub fn read(content: &[u8], path: &Path, files: &Files) -> Result<Gltf, SceneErr
         let mend = "export the model without it, or, if it shows without, take it out of this list";
         return Err(place.key("extensionsRequired").item(index).error(what, mend));
     }
-    let buffers = bytes::buffers(&source, &root, binary, files)?;
-    let nodes = nodes::place(&place, &root)?;
-    Ok(Gltf { text: text.to_string(), buffers, nodes, root })
+    let buffers = bytes::buffers(&root, binary, path, files);
+    let mut gltf = Gltf { text: text.to_string(), buffers, nodes: nodes::Placed::default(), root };
+    gltf.nodes = nodes::place(&gltf.document(path))?;
+    Ok(gltf)
 }
 
 impl Gltf {
+    fn document<'a>(&'a self, path: &'a Path) -> Document<'a> {
+        let source = Source { file: path, text: &self.text };
+        Document { source, root: &self.root, buffers: &self.buffers }
+    }
+
     /// Adds the triangles of all placed meshes to the builder, with `material` or else with their own
     /// materials.
     pub fn add(
@@ -89,10 +85,9 @@ impl Gltf {
         material: Option<u32>,
         placement: &Placement,
     ) -> Result<(), Unusable> {
-        let source = Source { file: path, text: &self.text };
-        let document = Document { source, root: &self.root, buffers: &self.buffers };
+        let document = self.document(path);
         let place = document.source.root();
-        nodes::note_ignored(&place, &self.root, &mut builder.notes);
+        nodes::note_ignored(&document, &self.nodes, &mut builder.notes);
         extensions::note_ignored(&document.source, material.is_none(), &mut builder.notes);
         let mut accessors = Accessors::new(&document);
         let mut materials = Materials::new(&document);
@@ -103,15 +98,18 @@ impl Gltf {
                 Entry::Occupied(known) => known.into_mut(),
                 Entry::Vacant(new) => {
                     let mut parts = Vec::new();
-                    for (index, primitive) in self.root.meshes[mesh].primitives.iter().enumerate() {
-                        let list = place.key("meshes");
-                        let of_mesh = list.item(mesh);
+                    let list = place.key("meshes");
+                    let of_mesh = list.item(mesh);
+                    let file = document.get(&self.root.meshes, "meshes", mesh, &place)?;
+                    for (index, primitive) in file.primitives.iter().enumerate() {
                         let primitives = of_mesh.key("primitives");
                         let place = primitives.item(index);
-                        let read = geometry::read(&mut accessors, primitive, &place, &mut builder.notes)?;
+                        let set = material::uv_set(primitive, &self.root);
+                        let read =
+                            geometry::read(&mut accessors, primitive, set, &place, &mut builder.notes)?;
                         let Some(mut geometry) = read else { continue };
                         let own = match material {
-                            Some(number) => Added { number, uv_map: UvMap::default() },
+                            Some(number) => Added { number, uv_map: Default::default() },
                             None => {
                                 let mut own = materials.of(primitive, &place, builder)?;
                                 if let Some(color) = geometry.take_only_color() {
@@ -158,18 +156,23 @@ impl Gltf {
         tally.finish(path, builder)
     }
 
-    /// The model's first camera, if it is one that octray has.
-    pub fn camera(&self, path: &Path, builder: &mut SceneBuilder) -> Option<Camera> {
-        let (index, transform) = self.nodes.camera?;
+    /// The model's first camera, if it is one that octray has, and the aspect ratio that it names.
+    pub fn camera(
+        &self,
+        path: &Path,
+        builder: &mut SceneBuilder,
+    ) -> Result<Option<(Camera, Option<f64>)>, SceneError> {
+        let Some((index, transform)) = self.nodes.camera else { return Ok(None) };
+        let document = self.document(path);
+        let user = document.source.root();
+        let camera = document.get(&self.root.cameras, "cameras", index, &user.key("nodes"))?;
         let (lower, upper) = builder.scene.bounds();
         let position = builder.scene.coordinates.to_scene(transform.w_axis.truncate());
         let mut framed = |why: &str| {
             builder.warn(format!("{}: cameras[{index}] {why}: the model is framed instead.", path.display()));
+            Ok(None)
         };
-        let Some(perspective) = &self.root.cameras[index].perspective else {
-            framed("is orthographic");
-            return None;
-        };
+        let Some(perspective) = &camera.perspective else { return framed("is no perspective camera") };
         let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(|axis| (transform * axis).truncate());
         // A point as far away as the model, so that a viewer turns around something.
         let distance = (((lower + upper) / 2.0 - position).length()).max(1e-3 * position.length()).max(1e-6);
@@ -177,13 +180,17 @@ impl Gltf {
             position: position.as_vec3(),
             look_at: (position + forward.normalize_or_zero() * distance).as_vec3(),
             up: up.normalize_or_zero().as_vec3(),
-            vertical_fov: perspective.yfov.to_degrees(),
+            vertical_fov: perspective.yfov.to_degrees() as f32,
         };
         let mut points = [camera.position, camera.look_at].into_iter();
-        let is_usable = camera.fault().is_none() && points.all(|point| is_near(point.into()));
-        if !is_usable {
-            framed("cannot be used");
+        if camera.fault().is_some() || !points.all(|point| is_near(point.into())) {
+            return framed("cannot be used");
         }
-        is_usable.then_some(camera)
+        let aspect = perspective.aspect_ratio.filter(|aspect| (1.0 / 64.0..=64.0).contains(aspect));
+        if let Some(other) = perspective.aspect_ratio.xor(aspect) {
+            builder
+                .warn(format!("{}: cameras[{index}]: the aspect ratio {other} is left out.", path.display()));
+        }
+        Ok(Some((camera, aspect)))
     }
 }

@@ -1,53 +1,24 @@
 //! Textures of glTF materials: images, filters, and the transform of texture coordinates.
-//!
-//! For: [`Reference`], [`UvMap`], [`load`].
 
 use super::super::builder::SceneBuilder;
 use super::super::files::Files;
 use super::super::json::JsonPath;
 use super::super::notes::Notes;
 use super::bytes::{self, Document};
+use super::schema::{Image, Texture, TextureInfo, TextureTransform, Whole};
 use glam::{DVec3, Vec2};
-use gltf_json::image::Image;
-use gltf_json::texture::{Info, MagFilter, Texture, WrappingMode};
-use gltf_json::validation::Checked;
 use octray_engine::math::portable;
 use octray_engine::scene::{Filter, TexelKind, Texels};
-use serde_json::{Map, Value};
+use std::path::Path;
 
-/// The transform of texture coordinates (`KHR_texture_transform`): scaled, rotated, offset.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UvMap {
-    offset: [f64; 2],
-    /// Radians.
-    rotation: f64,
-    scale: [f64; 2],
-}
-
-impl Default for UvMap {
-    fn default() -> Self {
-        Self { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] }
-    }
-}
-
-impl UvMap {
-    /// From glTF's texture coordinates, v downwards, to a scene's, v upwards.
+impl TextureTransform {
+    /// From glTF's texture coordinates, v downwards, to a scene's, v upwards: scaled, rotated, offset.
     pub fn apply(&self, [u, v]: [f64; 2]) -> Vec2 {
         let (sin, cos) = portable::sin_cos(self.rotation);
-        let (u, v) = (u * self.scale[0], v * self.scale[1]);
-        let (u, v) = (cos * u + sin * v + self.offset[0], cos * v - sin * u + self.offset[1]);
+        let ([scale_u, scale_v], [u0, v0]) = (self.scale.unwrap_or([1.0; 2]), self.offset);
+        let (u, v) = (u * scale_u, v * scale_v);
+        let (u, v) = (cos * u + sin * v + u0, cos * v - sin * u + v0);
         Vec2::new(u as f32, (1.0 - v) as f32)
-    }
-    fn of(value: &Value) -> Self {
-        let two = |key: &str, default: f64| {
-            let at = |index: usize| value[key][index].as_f64().unwrap_or(default);
-            [at(0), at(1)]
-        };
-        Self {
-            offset: two("offset", 0.0),
-            rotation: value["rotation"].as_f64().unwrap_or(0.0),
-            scale: two("scale", 1.0),
-        }
     }
 }
 
@@ -56,24 +27,42 @@ impl UvMap {
 pub struct Reference {
     pub texture: usize,
     /// The number of the set of texture coordinates.
-    pub set: u32,
-    pub map: UvMap,
+    pub set: usize,
+    /// Without a set.
+    pub transform: TextureTransform,
 }
 
 impl Reference {
-    pub fn of(info: &Info) -> Self {
-        let extensions = info.extensions.as_ref().map(|extensions| &extensions.others);
-        Self::new(info.index.value(), info.tex_coord, extensions)
+    pub fn new(info: &TextureInfo) -> Self {
+        let transform = info.extensions.transform;
+        let set = transform.tex_coord.unwrap_or(info.tex_coord).0;
+        let scale = transform.scale.or(Some([1.0; 2]));
+        let transform = TextureTransform { tex_coord: None, scale, ..transform };
+        Self { texture: info.index.0, set, transform }
     }
-    pub fn new(texture: usize, set: u32, extensions: Option<&Map<String, Value>>) -> Self {
-        let transform = extensions.and_then(|others| others.get("KHR_texture_transform"));
-        let own = transform.and_then(|transform| transform["texCoord"].as_u64());
-        Self {
-            texture,
-            set: own.and_then(|set| u32::try_from(set).ok()).unwrap_or(set),
-            map: transform.map(UvMap::of).unwrap_or_default(),
-        }
-    }
+}
+
+/// The least, the mean and the largest value of a channel.
+pub type Range = [f64; 3];
+
+/// The ranges of a texture's channels, read as data; `None`, with a note, where it cannot be used. The scene
+/// does not keep it.
+pub fn ranges(
+    document: &Document,
+    texture: usize,
+    place: &JsonPath,
+    builder: &mut SceneBuilder,
+) -> Option<[Range; 3]> {
+    let before = builder.textures.list.len();
+    let number = load(document, texture, TexelKind::Data, None, place, builder)? as usize;
+    let texels = &builder.textures.list[number].texels;
+    let ranges = [0, 1, 2].map(|channel| {
+        let values = (0..texels.len()).map(|index| texels.linear(index)[channel]);
+        let mean = values.clone().sum::<f64>() / texels.len() as f64;
+        [values.clone().fold(f64::INFINITY, f64::min), mean, values.fold(0.0, f64::max)]
+    });
+    builder.textures.truncate(before);
+    Some(ranges)
 }
 
 /// Loads a texture; `None`, with a note, where it cannot be used. A model's shape is visible without it. The
@@ -86,25 +75,29 @@ pub fn load(
     place: &JsonPath,
     builder: &mut SceneBuilder,
 ) -> Option<u32> {
-    let Some(file) = document.root.textures.get(texture) else {
-        builder.notes.add(place, format!("there is no texture {texture}"));
+    let Some(file) = document.root.textures.at(texture) else {
+        builder.notes.add(place, format!("there is no textures[{texture}]"));
         return None;
     };
     let root = document.source.root();
-    let filter = filter(document, file, &mut builder.notes);
-    let index = file.source.value();
-    let Some(image) = document.root.images.get(index) else {
+    let image = file.source.and_then(|index| Some((index.0, document.root.images.at(index.0)?)));
+    let Some((index, image)) = image else {
         let what = "a texture without a PNG or JPEG image is left out";
         builder.notes.add(&root.key("textures").item(texture), what);
         return None;
     };
+    let filter = filter(document, file, &mut builder.notes);
     let model = document.source.file;
     let textures = &mut builder.textures;
     let known = textures.left_out.len();
     let files = textures.files.clone();
     let loaded = match &image.uri {
-        Some(uri) if slopes.is_none() && !bytes::is_data(uri) => {
-            textures.load(&bytes::path(uri, model), &bytes::decoded(uri), filter, kind)
+        Some(uri) if slopes.is_none() && bytes::data(uri).is_none() => {
+            let folder = model.parent().unwrap_or(Path::new(""));
+            files.find(&bytes::decoded(uri), [model; 2], |path| {
+                let shown = path.strip_prefix(folder).unwrap_or(path).to_string_lossy();
+                textures.load(path, &shown, filter, kind)
+            })
         }
         _ => {
             let name = model.file_name().unwrap_or_default().to_string_lossy();
@@ -128,16 +121,16 @@ pub fn load(
 
 /// Notes what of the texture's sampler is left out.
 fn filter(document: &Document, texture: &Texture, notes: &mut Notes) -> Filter {
-    let index = texture.sampler.map(|index| index.value());
-    let sampler = index.and_then(|index| Some((index, document.root.samplers.get(index)?)));
+    const REPEAT: usize = 10497;
+    const NEAREST: usize = 9728;
+    let sampler = texture.sampler.and_then(|index| Some((index.0, document.root.samplers.at(index.0)?)));
     let Some((index, sampler)) = sampler else { return Filter::Bilinear };
-    let repeats = Checked::Valid(WrappingMode::Repeat);
-    if sampler.wrap_s != repeats || sampler.wrap_t != repeats {
+    if [sampler.wrap_s, sampler.wrap_t].into_iter().flatten().any(|Whole(wrap)| wrap != REPEAT) {
         let what = "textures repeat here: clamping and mirroring are not read";
         notes.add(&document.source.root().key("samplers").item(index), what);
     }
     match sampler.mag_filter {
-        Some(Checked::Valid(MagFilter::Nearest)) => Filter::Nearest,
+        Some(Whole(NEAREST)) => Filter::Nearest,
         _ => Filter::Bilinear,
     }
 }
@@ -145,10 +138,7 @@ fn filter(document: &Document, texture: &Texture, notes: &mut Notes) -> Filter {
 fn content(document: &Document, image: &Image, files: &Files) -> Result<Vec<u8>, String> {
     match (&image.uri, image.buffer_view) {
         (Some(uri), _) => bytes::from_uri(uri, document.source.file, files),
-        (None, Some(view)) => {
-            let view = document.view(view.value()).map(|(_, bytes)| bytes.to_vec());
-            view.ok_or_else(|| "it reaches beyond its buffer".to_string())
-        }
+        (None, Some(view)) => document.view(view.0).map(|(_, bytes)| bytes.to_vec()),
         (None, None) => Err("it has no data".to_string()),
     }
 }

@@ -1,0 +1,154 @@
+//! The objects of a glTF file: what is read of them, in the form that the standard's schema gives it.
+//!
+//! What nobody reads may hold anything: keys that are not here, and entries of lists that are never used.
+
+use serde::de::{DeserializeOwned, Error, IgnoredAny};
+use serde::{Deserialize, Deserializer};
+use serde_json::Number;
+use serde_json::value::RawValue;
+use std::collections::HashMap;
+
+/// What is read of a value; `None` where it is missing or not as the schema has it, which is no fault until
+/// it is used.
+pub struct Lenient<T>(pub Option<T>);
+
+impl<T> Default for Lenient<T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<'de, T: DeserializeOwned> Deserialize<'de> for Lenient<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = <&RawValue>::deserialize(deserializer)?;
+        Ok(Self(serde_json::from_str(value.get()).ok()))
+    }
+}
+
+/// A list of which each entry is a fault only where it is used.
+pub type List<T> = Lenient<Vec<Lenient<T>>>;
+
+impl<T> List<T> {
+    /// The number of entries.
+    pub fn len(&self) -> usize {
+        self.0.as_ref().map_or(0, Vec::len)
+    }
+    /// The entry of this index, if it is as the schema has it.
+    pub fn at(&self, index: usize) -> Option<&T> {
+        self.0.as_ref()?.get(index)?.0.as_ref()
+    }
+    /// All entries that are as the schema has them, with their indices.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, &T)> {
+        (0..self.len()).filter_map(|index| Some((index, self.at(index)?)))
+    }
+}
+
+/// An index, a size or a code: `24.0` is one too.
+#[derive(Clone, Copy, Default, PartialEq)]
+pub struct Whole(pub usize);
+
+impl<'de> Deserialize<'de> for Whole {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let number = Number::deserialize(deserializer)?;
+        let real = number.as_f64().filter(|real| *real >= 0.0 && real.fract() == 0.0);
+        let whole = number.as_u64().or(real.map(|real| real as u64));
+        let whole = whole.map(|whole| Self(usize::try_from(whole).unwrap_or(usize::MAX)));
+        whole.ok_or_else(|| D::Error::custom(format!("invalid value: {number}, expected a JSON number")))
+    }
+}
+
+/// Objects with these keys, which have camel case in the file.
+macro_rules! objects {
+    ($($(#[$of:meta])* $name:ident { $($(#[$of_key:meta])* $key:ident: $type:ty),* $(,)? })*) => { $(
+        #[derive(Deserialize)]
+        #[serde(rename_all = "camelCase", expecting = "an object")]
+        $(#[$of])*
+        pub struct $name { $($(#[$of_key])* pub $key: $type),* }
+    )* };
+}
+
+/// Objects of which every key is optional.
+macro_rules! optional {
+    ($($name:ident $keys:tt)*) => { objects! { $(#[derive(Default)] #[serde(default)] $name $keys)* } };
+}
+
+optional! {
+    Root {
+        asset: Asset, extensions_required: Vec<String>, scene: Option<Whole>, scenes: List<Scene>,
+        nodes: List<Node>, cameras: List<Camera>, meshes: List<Mesh>, accessors: List<Accessor>,
+        buffer_views: List<View>, buffers: List<Buffer>, materials: List<Material>, textures: List<Texture>,
+        images: List<Image>, samplers: List<Sampler>, animations: List<IgnoredAny>,
+    }
+    Asset { version: Option<String>, min_version: Option<String> }
+    Scene { nodes: Option<Vec<Whole>> }
+    Node {
+        children: Option<Vec<Whole>>, mesh: Option<Whole>, camera: Option<Whole>, skin: Option<IgnoredAny>,
+        matrix: Option<[f64; 16]>,
+        rotation: Option<[f64; 4]>, scale: Option<[f64; 3]>, translation: Option<[f64; 3]>,
+    }
+    Camera { perspective: Option<Perspective> }
+    Image { uri: Option<String>, buffer_view: Option<Whole> }
+    Texture { source: Option<Whole>, sampler: Option<Whole> }
+    Sampler { mag_filter: Option<Whole>, wrap_s: Option<Whole>, wrap_t: Option<Whole> }
+    Material {
+        name: Lenient<String>, alpha_mode: Option<String>,
+        pbr_metallic_roughness: MetallicRoughness, emissive_factor: Option<[f64; 3]>,
+        normal_texture: Option<TextureInfo>, occlusion_texture: Option<IgnoredAny>,
+        emissive_texture: Option<TextureInfo>, extensions: MaterialExtensions,
+    }
+    MetallicRoughness {
+        base_color_factor: Option<[f64; 4]>, base_color_texture: Option<TextureInfo>,
+        metallic_factor: Option<f64>, roughness_factor: Option<f64>,
+        metallic_roughness_texture: Option<TextureInfo>,
+    }
+    MaterialExtensions {
+        #[serde(rename = "KHR_materials_ior")] ior: Extension,
+        #[serde(rename = "KHR_materials_emissive_strength")] emissive_strength: Extension,
+        #[serde(rename = "KHR_materials_transmission")] transmission: Extension,
+        #[serde(rename = "KHR_materials_unlit")] unlit: Option<IgnoredAny>,
+        #[serde(rename = "KHR_materials_volume")] volume: Extension,
+    }
+    // The keys of all extensions of materials.
+    Extension {
+        ior: Option<f64>, emissive_strength: Option<f64>, transmission_factor: f64,
+        transmission_texture: Option<TextureInfo>, thickness_factor: f64,
+        attenuation_distance: Option<IgnoredAny>,
+    }
+    TextureExtensions { #[serde(rename = "KHR_texture_transform")] transform: TextureTransform }
+}
+
+objects! {
+    #[derive(Clone, Copy, Default, PartialEq)] #[serde(default)]
+    TextureTransform {
+        offset: [f64; 2],
+        // In radians.
+        rotation: f64,
+        scale: Option<[f64; 2]>, tex_coord: Option<Whole>,
+    }
+    Perspective { yfov: f64, aspect_ratio: Option<f64> }
+    Mesh { primitives: Vec<Primitive> }
+    Primitive {
+        #[serde(default)] attributes: HashMap<String, Lenient<Whole>>,
+        indices: Option<Whole>, material: Option<Whole>, mode: Option<Whole>,
+        #[serde(default)] targets: Lenient<Vec<IgnoredAny>>,
+    }
+    Accessor {
+        buffer_view: Option<Whole>, #[serde(default)] byte_offset: Whole, component_type: Whole, count: Whole,
+        #[serde(rename = "type")] kind: String, #[serde(default)] normalized: bool, sparse: Option<Sparse>,
+    }
+    Sparse { count: Whole, indices: SparsePart, values: SparsePart }
+    SparsePart {
+        buffer_view: Whole, #[serde(default)] byte_offset: Whole,
+        // Of indices alone.
+        #[serde(default)] component_type: Whole,
+    }
+    View {
+        buffer: Whole, #[serde(default)] byte_offset: Whole, byte_length: Whole, byte_stride: Option<Whole>,
+    }
+    Buffer { uri: Option<String>, byte_length: Whole }
+    // Normal textures have a scale.
+    TextureInfo {
+        index: Whole, #[serde(default)] tex_coord: Whole, scale: Option<f64>,
+        #[serde(default)] extensions: TextureExtensions,
+    }
+}

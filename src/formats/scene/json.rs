@@ -183,6 +183,7 @@ pub fn data_fault(path: &str, message: &str) -> (String, String) {
         .replace("expected u32", "expected a whole number of 0 or more")
         .replace("expected a JSON number", "expected a whole number of 0 or more")
         .replace("expected a sequence", "expected an array")
+        .replace("expected a map", "expected an object")
         .replace("invalid type: sequence", "invalid type: array")
         .replace("invalid type: map", "invalid type: object")
         .replace("floating point", "number");

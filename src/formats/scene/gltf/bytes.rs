@@ -78,25 +78,23 @@ pub fn total(buffers: &[Result<Content, String>]) -> usize {
     contents.filter(|content| seen.insert(Rc::as_ptr(content))).map(|content| content.len()).sum()
 }
 
-/// The content of every buffer, or why there is none.
+/// Reads the content of every buffer; of one without, the reason.
 pub fn buffers(
     root: &Root,
     binary: Option<&[u8]>,
     model: &Path,
     files: &Files,
 ) -> Vec<Result<Content, String>> {
-    let mut known: HashMap<&str, Content> = HashMap::new();
+    let mut known = HashMap::new();
     let mut contents = vec![Err(String::new()); root.buffers.len()];
     for (index, buffer) in root.buffers.iter() {
         contents[index] = match (buffer.uri.as_deref(), binary) {
-            (Some(uri), _) if known.contains_key(uri) => Ok(Rc::clone(&known[uri])),
-            (Some(uri), _) => from_uri(uri, model, files).map(Content::from),
+            (Some(uri), _) => {
+                known.entry(uri).or_insert_with(|| from_uri(uri, model, files).map(Content::from)).clone()
+            }
             (None, Some(binary)) if index == 0 => Ok(binary.into()),
             (None, _) => Err("it is missing, and the file has no binary part".to_string()),
         };
-        if let (Some(uri), Ok(content)) = (&buffer.uri, &contents[index]) {
-            known.insert(uri, Rc::clone(content));
-        }
     }
     contents
 }
@@ -109,7 +107,7 @@ pub struct Document<'a> {
 }
 
 impl Document<'_> {
-    /// An entry of the list at the key `name`, which the value at `user` names by its index.
+    /// Returns an entry of the list at the key `name`, which the value at `user` names by its index.
     pub fn get<'l, T: DeserializeOwned>(
         &self,
         list: &'l List<T>,
@@ -122,7 +120,7 @@ impl Document<'_> {
             fault::<T>(&self.source.root().key(name).item(index)).unwrap_or_else(missing)
         })
     }
-    /// A buffer view and its bytes, or what is wrong.
+    /// Returns a buffer view and its bytes, or what is wrong.
     pub fn view(&self, index: usize) -> Result<(&View, &[u8]), String> {
         let broken = |what: &str| format!("{what} is missing, or not as glTF has it");
         let view =
@@ -149,13 +147,13 @@ pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, Strin
     }
 }
 
-/// What follows the scheme of a data URI.
+/// Returns what follows the scheme of a data URI.
 pub fn data(uri: &str) -> Option<&str> {
     let (scheme, data) = uri.split_once(':')?;
     scheme.eq_ignore_ascii_case("data").then_some(data)
 }
 
-/// The content of a data URI (RFC 2397): percent-encoded, and base64 beneath that where it says so.
+/// Decodes a data URI (RFC 2397): percent-encoded, and base64 beneath that where it says so.
 fn decoded_data(data: &str) -> Result<Vec<u8>, String> {
     let (header, data) = data.split_once(',').ok_or("a data URI has no comma before its data")?;
     let bytes = Cow::from(percent_decode_str(data));

@@ -81,11 +81,11 @@ impl Geometry {
 }
 
 /// The numbers of a primitive; `None`, with a note, where it is not made of triangles. Texture coordinates are
-/// those of this `set`.
+/// those of this `set`, if any.
 pub fn read(
     accessors: &mut Accessors,
     primitive: &Primitive,
-    set: usize,
+    set: Option<usize>,
     place: &JsonPath,
     notes: &mut Notes,
 ) -> Result<Option<Geometry>, SceneError> {
@@ -118,7 +118,8 @@ pub fn read(
     };
     let normals = read("NORMAL", &[3], positions.count)?;
     let colors = read("COLOR_0", &[3, 4], positions.count)?;
-    let uvs = read(&format!("TEXCOORD_{set}"), &[2], positions.count)?;
+    let uv_key = set.map(|set| format!("TEXCOORD_{set}"));
+    let uvs = uv_key.map(|key| read(&key, &[2], positions.count)).transpose()?.flatten();
     let place = place.key("indices");
     let indices = primitive.indices.map(|index| accessors.indices(index.0, &place)).transpose()?;
     let mut values = indices.iter().flat_map(|indices| &indices.values);

@@ -3,7 +3,7 @@
 //! | glTF | octray |
 //! |---|---|
 //! | metallic-roughness, `KHR_materials_ior` | metal-rough |
-//! | `KHR_materials_transmission` × (1 − metallic) above a half, in the mean of its textures | thin glass of that index and the base colour |
+//! | `KHR_materials_transmission` above a half, metallic taken off | thin glass of that index and the base colour |
 //! | the same with a thickness in `KHR_materials_volume` | glass; its colour is √ base colour, as light enters and leaves |
 //! | emissive factor, texture, `KHR_materials_emissive_strength` | emission and its map |
 //! | `KHR_materials_unlit` | an emitter of the base colour |
@@ -37,11 +37,10 @@ fn references(file: &MaterialFile) -> [Option<Reference>; 4] {
     all.map(|info| info.as_ref().map(Reference::new))
 }
 
-/// The set of texture coordinates that a primitive's material uses.
-pub fn uv_set(primitive: &Primitive, root: &Root) -> usize {
-    let material = primitive.material.and_then(|index| root.materials.at(index.0));
-    let first = material.and_then(|file| references(file).into_iter().flatten().next());
-    first.map_or(0, |first| first.set)
+/// Returns the set of texture coordinates that a primitive's material uses, if it has textures.
+pub fn uv_set(primitive: &Primitive, root: &Root) -> Option<usize> {
+    let file = root.materials.at(primitive.material?.0)?;
+    references(file).into_iter().flatten().next().map(|first| first.set)
 }
 
 /// A file's materials, each added to the builder once.
@@ -104,6 +103,7 @@ impl<'a> Materials<'a> {
         Ok(added)
     }
 
+    /// Returns what factors and textures make of a material's transmission.
     fn transmission(
         &mut self,
         file: &MaterialFile,
@@ -170,7 +170,7 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// A factor, of 1 where it is missing.
+/// Returns a factor within 0 and 1; 1 where it is missing.
 fn fraction(factor: Option<f64>) -> f32 {
     factor.unwrap_or(1.0).clamp(0.0, 1.0) as f32
 }

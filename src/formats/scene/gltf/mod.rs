@@ -104,7 +104,7 @@ impl Gltf {
                     for (index, primitive) in file.primitives.iter().enumerate() {
                         let primitives = of_mesh.key("primitives");
                         let place = primitives.item(index);
-                        let set = material::uv_set(primitive, &self.root);
+                        let set = material::uv_set(primitive, &self.root).or(material.map(|_| 0));
                         let read =
                             geometry::read(&mut accessors, primitive, set, &place, &mut builder.notes)?;
                         let Some(mut geometry) = read else { continue };
@@ -156,7 +156,7 @@ impl Gltf {
         tally.finish(path, builder)
     }
 
-    /// The model's first camera, if it is one that octray has, and the aspect ratio that it names.
+    /// Returns the model's first camera, if it is one that octray has, and the aspect ratio that it names.
     pub fn camera(
         &self,
         path: &Path,

@@ -29,15 +29,15 @@ impl<'de, T: DeserializeOwned> Deserialize<'de> for Lenient<T> {
 pub type List<T> = Lenient<Vec<Lenient<T>>>;
 
 impl<T> List<T> {
-    /// The number of entries.
+    /// Returns the number of entries.
     pub fn len(&self) -> usize {
         self.0.as_ref().map_or(0, Vec::len)
     }
-    /// The entry of this index, if it is as the schema has it.
+    /// Returns the entry of this index, if it is as the schema has it.
     pub fn at(&self, index: usize) -> Option<&T> {
         self.0.as_ref()?.get(index)?.0.as_ref()
     }
-    /// All entries that are as the schema has them, with their indices.
+    /// Returns all entries that are as the schema has them, with their indices.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &T)> {
         (0..self.len()).filter_map(|index| Some((index, self.at(index)?)))
     }

@@ -12,7 +12,7 @@ use octray_engine::scene::{Filter, TexelKind, Texels};
 use std::path::Path;
 
 impl TextureTransform {
-    /// From glTF's texture coordinates, v downwards, to a scene's, v upwards: scaled, rotated, offset.
+    /// Scales, rotates and offsets glTF's texture coordinates, v downwards. Returns a scene's, v upwards.
     pub fn apply(&self, [u, v]: [f64; 2]) -> Vec2 {
         let (sin, cos) = portable::sin_cos(self.rotation);
         let ([scale_u, scale_v], [u0, v0]) = (self.scale.unwrap_or([1.0; 2]), self.offset);
@@ -45,8 +45,8 @@ impl Reference {
 /// The least, the mean and the largest value of a channel.
 pub type Range = [f64; 3];
 
-/// The ranges of a texture's channels, read as data; `None`, with a note, where it cannot be used. The scene
-/// does not keep it.
+/// Returns the ranges of a texture's channels, read as data; `None`, with a note, where it cannot be used. The
+/// scene does not keep it.
 pub fn ranges(
     document: &Document,
     texture: usize,

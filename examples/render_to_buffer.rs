@@ -2,6 +2,7 @@
 //! `cargo run --release --example render_to_buffer`
 
 use glam::Vec3;
+use octray_engine::lane::INSTRUCTIONS;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::scene::{Material, MaterialKind, Scene, Sphere};
 use octray_engine::tone::Tone;
@@ -33,6 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let picture = film.picture();
     let rgb: Vec<u8> = Tone::default().bytes(&picture);
+    println!("Compiled for {INSTRUCTIONS}.");
     println!("{} bytes of 8-bit sRGB, {} rays, hash {:016x}", rgb.len(), film.rays(), picture.hash());
     Ok(())
 }

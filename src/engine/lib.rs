@@ -19,6 +19,16 @@
 //! compresses them to those that are alive. After two events the paths of several tiles go on together.
 //! Between packets and film stand the [`kernel`]s: equations over lanes.
 //!
+//! # Compile for the processor
+//! A package is compiled for the least processor of its target, on x86-64 for SSE2, and then this one runs at
+//! half the speed or less. Put `rustflags = ["-C", "target-cpu=native"]` under `[build]` into
+//! `.cargo/config.toml` of your package; [`lane::INSTRUCTIONS`] says what was compiled for.
+//!
+//! ```
+//! use octray_engine::lane::{FUSED, INSTRUCTIONS};
+//! assert_eq!(FUSED, ["AVX-512", "AVX2 with FMA"].contains(&INSTRUCTIONS));
+//! ```
+//!
 //! # Modules
 //! Each imports only from those above it.
 //!

@@ -69,7 +69,7 @@ impl Set {
         hierarchy: &Hierarchy,
         traversal: Traversal,
     ) -> Answers {
-        self.with_hits(|hits| tracer.trace::<ANY>(traversal, hierarchy, &self.rays(), hits, None)).1
+        self.with_hits(|hits| tracer.trace_in_scene::<ANY>(traversal, hierarchy, &self.rays(), hits, None)).1
     }
     /// Are the first rays, a tile at most, ones for which there is a frustum?
     pub fn goes_in_a_frustum(&self, hierarchy: &Hierarchy) -> bool {

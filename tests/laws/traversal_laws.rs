@@ -8,6 +8,9 @@ use crate::common::rays::Set;
 use crate::common::*;
 use octray::kernel::ray_sphere::{self};
 use octray::kernel::ray_triangle::{self};
+use octray::scene::Coordinates;
+use octray::traverse::Tracer;
+use octray::traverse::rays::{Hits, Rays};
 
 /// A hit's bits: t, primitive, u, v.
 type Answer = [u32; 4];
@@ -227,6 +230,48 @@ fn hits_count_before_the_end_of_a_ray() {
                 check::<F32x16>(&scene, &set, triangle),
             ];
             assert!(ended[0] > 200 && ended == [ended[0]; 3], "{ended:?}");
+        }
+    }
+}
+
+#[test]
+fn rays_of_ones_own_are_in_the_files_coordinates_and_end_where_they_say() {
+    let coordinates = Coordinates { origin: DVec3::new(0.5, 1.5, 6.25), unit: 4.0 };
+    let place = |x: f64, y: f64, z: f64| coordinates.to_scene(DVec3::new(x, y, z)).as_vec3();
+    let floor = triangle([place(-90.0, 0.0, 90.0), place(90.0, 0.0, 90.0), place(0.0, 0.0, -90.0)], 0);
+    let ball = sphere(place(3.0, 1.0, 0.0), 0.25, 0);
+    let scene = Scene { coordinates, spheres: vec![ball], triangles: vec![floor], ..diffuse() };
+    let (hierarchy, endless) = (Hierarchy::new(&scene, Trees::Wide), f32::INFINITY);
+    for (traversal, length) in Traversal::ALL.into_iter().flat_map(|one| [1.0, 0.01, 40.0].map(|l| (one, l)))
+    {
+        // Down from y = 5: to the floor, to the ball, not so far as either, no further, and nowhere.
+        let x = [0.0, 3.0, 0.0, 3.0, 0.0, 0.0];
+        let (y, zeros, down) = ([5.0; 6], [0.0; 6], [-length, -length, -length, -length, -length, 0.0]);
+        let (t_max, before) = (
+            [endless, 3.1, 4.9, endless, endless, 9.0].map(|t| t / length),
+            [endless, 9.0, 9.0, 2.9, 5.1, 9.0].map(|t| t / length),
+        );
+        let expected = [(5.0, 1), (3.0, 0), (4.9, MISS), (2.9, MISS), (5.0, 1), (9.0, MISS)];
+        for any in [false, true] {
+            let (mut t, mut primitive, [mut u, mut v]) = (before, [MISS; 6], [[0.0; 6]; 2]);
+            let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
+            let rays = Rays::new([&x, &y, &zeros], [&zeros, &down, &zeros]).until(&t_max);
+            match any {
+                true => Tracer::new().trace::<true>(traversal, &hierarchy, &rays, &mut hits, None),
+                false => Tracer::new().trace::<false>(traversal, &hierarchy, &rays, &mut hits, None),
+            }
+            for (at, (expected, number)) in expected.into_iter().enumerate() {
+                let what = format!(
+                    "{traversal:?}, length {length}, {any}: ray {at} at {} {}",
+                    t[at] * length,
+                    primitive[at]
+                );
+                assert_eq!(primitive[at] == MISS, number == MISS, "{what}");
+                assert!(
+                    any || (primitive[at] == number && (t[at] * length - expected).abs() < 1e-5),
+                    "{what}"
+                );
+            }
         }
     }
 }

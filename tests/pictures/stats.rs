@@ -34,7 +34,7 @@ fn count_rays<const ANY: bool>(hierarchy: &Hierarchy, traversal: Traversal, rays
     let (mut t, mut primitive) = (vec![f32::INFINITY; count], vec![MISS; count]);
     let [mut u, mut v] = [(); 2].map(|()| vec![0.0; count]);
     let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-    Tracer::new().trace::<ANY>(traversal, hierarchy, rays, &mut hits, Some(&counter));
+    Tracer::new().trace_in_scene::<ANY>(traversal, hierarchy, rays, &mut hits, Some(&counter));
     (counter.get(), primitive.iter().filter(|&&one| one != MISS).count())
 }
 

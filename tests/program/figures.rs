@@ -191,6 +191,15 @@ fn compare_reports_in_json_and_says_for_people_that_the_pictures_agree() {
 }
 
 #[test]
+fn compare_finds_hits_that_the_rounding_of_coordinates_moved() {
+    let desk = Desk::new();
+    desk.write("far.json", SCENE.replacen('{', r#"{ "origin": [0, 0, 100000003],"#, 1));
+    let compared = desk.octray("compare far.json --samples 1 --size 8x8 --json").assert().code(1);
+    let report: Value = serde_json::from_slice(&compared.get_output().stdout).unwrap();
+    assert!(number(&report["results"][0]["reference"]["mismatched_hits"]) > 0.0, "{report}");
+}
+
+#[test]
 fn bench_and_compare_refuse_a_bad_scene_before_they_measure_a_good_one() {
     let desk = Desk::new();
     desk.write("bad.json", SCENE.replace(r#""radius": 1"#, r#""radius": -1"#));

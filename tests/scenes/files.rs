@@ -269,7 +269,7 @@ fn texture_coordinates_are_absent_where_no_triangle_is_textured() {
 fn numbers_up_to_the_bound_are_accepted() {
     let scene = load_keys(
         r#""spheres": [{ "center": [1e12, -99999999999, 1e-40], "radius": 1e-18 },
-        { "center": [0,0,0], "radius": 1e12 }], "camera": { "position": [0,0,1], "look_at": [0,0,0] }"#,
+        { "center": [0,0,0], "radius": 1e12 }], "origin": [0,0,0], "camera": { "position": [0,0,1], "look_at": [0,0,0] }"#,
     );
     assert_eq!(scene.spheres[0].center, vec3(1e12, -99_999_999_999.0, 1e-40));
     assert_eq!(scene.spheres[0].radius, 1e-18);

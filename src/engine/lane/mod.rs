@@ -31,6 +31,15 @@ pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
 /// those of the others, and in nothing else does a build change a film.
 pub const FUSED: bool = cfg!(target_feature = "fma");
 
+/// The vector instructions that are compiled for: see the package's first page.
+pub const INSTRUCTIONS: &str = if cfg!(target_feature = "avx512f") {
+    "AVX-512"
+} else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
+    "AVX2 with FMA"
+} else {
+    "the target's least, at half the speed or less"
+};
+
 /// The widths that pictures are rendered with, in ascending order: up to one vector of the instruction set
 /// that is compiled for.
 #[cfg(target_feature = "avx512f")]

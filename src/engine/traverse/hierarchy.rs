@@ -9,7 +9,7 @@ use crate::bvh::{Bvh, Child, Trees, WIDE, WideNode, slots};
 use crate::kernel::ray_box::Padding;
 use crate::lane::Lane;
 use crate::math::{Hit, Ray};
-use crate::scene::Scene;
+use crate::scene::{Coordinates, Scene};
 use rayon::prelude::*;
 
 /// The bounding volume hierarchy, and the primitives of its leaves as intersection reads them.
@@ -18,6 +18,8 @@ pub struct Hierarchy {
     pub bvh: Bvh,
     /// What box tests are padded by.
     pub padding: Padding,
+    /// Those of the scene.
+    pub(super) coordinates: Coordinates,
     triangles: TriangleLeaves,
     pub(super) quadrics: Vec<QuadricLeaf>,
 }
@@ -48,6 +50,7 @@ impl Hierarchy {
         Self {
             triangles: TriangleLeaves::new(scene, &bvh, layout),
             quadrics: quadrics.map(|leaf| QuadricLeaf::new(scene, leaf)).collect(),
+            coordinates: scene.coordinates,
             padding,
             bvh,
         }

@@ -62,7 +62,7 @@ impl Primitives {
             Structure::List(list) => list.trace::<L>(rays, hits, listed, counter),
             Structure::Tree(tree, traversal) => {
                 hits.reset(rays);
-                tracer.trace::<false>(*traversal, tree, rays, hits, counter);
+                tracer.trace_in_scene::<false>(*traversal, tree, rays, hits, counter);
             }
         }
     }
@@ -84,7 +84,7 @@ impl Primitives {
             Structure::Tree(all, traversal) => {
                 let occluders = self.occluders.as_ref().and_then(|occluders| occluders.hierarchy.as_ref());
                 hits.reset(rays);
-                tracer.trace::<true>(*traversal, occluders.unwrap_or(all), rays, hits, counter);
+                tracer.trace_in_scene::<true>(*traversal, occluders.unwrap_or(all), rays, hits, counter);
             }
         }
     }
@@ -104,7 +104,7 @@ impl Primitives {
             Structure::Tree(tree, traversal) => {
                 let single = if *traversal == Traversal::Scalar { *traversal } else { Traversal::Single };
                 hits.reset(rays);
-                tracer.trace::<false>(single, tree, rays, hits, counter);
+                tracer.trace_in_scene::<false>(single, tree, rays, hits, counter);
             }
         }
     }

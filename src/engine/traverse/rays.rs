@@ -10,7 +10,7 @@ use std::ops::Range;
 #[derive(Clone, Copy)]
 pub struct Rays<'a> {
     origin: Origin<'a>,
-    /// x, y and z of their directions, of unit length.
+    /// x, y and z of their directions, of unit length unless [`super::Tracer::trace`] traces them.
     pub direction: [&'a [f32]; 3],
     /// Hits from here on do not count; without it, all do. A ray with NaN, 0 or less hits nothing.
     t_max: Option<&'a [f32]>,

@@ -27,8 +27,7 @@ use std::rc::Rc;
 /// Degrees of a field of view so narrow that what is rounded relative to the camera moves by parts of a pixel
 /// that show.
 const NARROW: f64 = 1.0;
-/// The shortest distance to a point that the camera looks at, in distances from the camera to the origin, or
-/// to the end of the scene.
+/// The shortest distance to a point that the camera looks at, in distances from the camera to the origin.
 const LEAST_SIGHT: f64 = 1.0 / 2048.0;
 /// The smallest size of a scene, in distances from its origin to its end: 1/16 of what its unit has room for.
 const LEAST_SIZE: f64 = 16.0 / MAX_COORDINATE;
@@ -227,8 +226,8 @@ pub fn camera_of(
 }
 
 /// The point that a camera looks at, or another on the same line of sight, of which only the direction counts.
-/// A point far beyond the scene, or so near that rounding would turn the line, is moved to about the distance
-/// of the scene's primitives: by a power of two, so that all such points of a line become the same.
+/// A point far beyond the scene, or so near that rounding would turn the line, is moved to a few distances of
+/// the scene's primitives: by a power of two, so that all such points of a line become the same.
 fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
     let (from, (lower, upper)) = (position.as_dvec3(), scene.bounds());
     let (sight, from_origin) = (look_at - from, from.length());
@@ -237,7 +236,7 @@ fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
         return look_at.as_vec3();
     }
     let farthest = scene.all_primitives().map(|one| one.distance(from)).fold(from_origin, f64::max);
-    let distance = floor_to_power_of_two(farthest.max(reach * LEAST_SIGHT));
+    let distance = 4.0 * floor_to_power_of_two(if farthest > 0.0 { farthest } else { reach });
     position + (sight / sight.abs().max_element()).as_vec3() * distance as f32
 }
 

@@ -83,10 +83,10 @@ impl Accelerators {
     ) {
         match method {
             TraceMethod::Tree(traversal) if any_hit => {
-                tracer.trace::<true>(traversal, &self.hierarchy, rays, hits, counter);
+                tracer.trace_in_scene::<true>(traversal, &self.hierarchy, rays, hits, counter);
             }
             TraceMethod::Tree(traversal) => {
-                tracer.trace::<false>(traversal, &self.hierarchy, rays, hits, counter);
+                tracer.trace_in_scene::<false>(traversal, &self.hierarchy, rays, hits, counter);
             }
             TraceMethod::Linear => {
                 let packets = rays.len() - rays.len() % NATIVE_WIDTH;

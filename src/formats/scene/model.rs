@@ -96,7 +96,7 @@ pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<S
     builder.finish(name, camera, resolution, BOUNCES, SKY).map_err(|error| error.in_file(path))
 }
 
-/// Returns the resolution of this aspect ratio, width over height, with about as many pixels as the default one.
+/// Returns a resolution of this aspect ratio, width over height, with about as many pixels as the default.
 fn resolution(aspect: f64) -> [u32; 2] {
     let [width, height] = DEFAULT_RESOLUTION.map(f64::from);
     let width = (width * height * aspect).sqrt();

@@ -143,8 +143,8 @@ fn broken_files_are_refused_with_place_and_remedy() {
 /// What is put into a model, each by itself: of optional objects, and of those that nobody uses.
 const UNREAD: &str = r#"{
     "animations": [{ "channels": [{ "sampler": 0, "target": { "path": "pointer" } }], "samplers": "x" }],
-    "scenes/1": { "name": "Scene.001" }, "nodes/1": { "mesh": "none", "matrix": [1] }, "skins": 4, "meshes/1": 5,
-    "nodes/0/skin": "x", "meshes/0/primitives/0/attributes/_ID": "x", "accessors/4": {}, "accessors/0/max": 1,
+    "scenes/1": { "name": "Scene.001" }, "nodes/1": { "mesh": "none", "matrix": [1] }, "skins": 4,
+    "meshes/1": 5, "nodes/0/skin": "x", "meshes/0/primitives/0/attributes/_ID": "x", "accessors/4": {}, "accessors/0/max": 1,
     "accessors/1": { "componentType": 5126, "count": 4, "type": "VEC3" }, "accessors/2": {},
     "accessors/0/count": 4.0,
     "bufferViews/2": { "buffer": 7 }, "buffers/1": { "byteLength": 8, "uri": "gone.bin" },

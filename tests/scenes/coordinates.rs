@@ -138,7 +138,7 @@ fn cameras_far_from_the_origin_are_warned_of() {
 #[test]
 fn views_far_from_zero_read_back_as_they_were_written() {
     let folder = Folder::new();
-    let keys = r#""camera": { "position": [447321.31, -0.2, 0], "look_at": [447325.9, 1, -5411873.77] }"#;
+    let keys = r#""camera": { "position": [447321.31, -0.2, -5411870.1], "look_at": [447325.9, 0, -5411873.77] }"#;
     let text = format!(
         r#"{{ "format": "octray-1", {keys}, "spheres": [{{ "center": [447325,4,-5411873], "radius": 1 }}] }}"#
     );
@@ -162,7 +162,7 @@ fn an_origin_of_the_file_is_taken() {
 fn primitives_too_large_for_their_view_are_named() {
     let folder = Folder::new();
     let warnings = |keys: &str| {
-        let camera = r#""camera": { "position": [0,1.5,4], "look_at": [0,-1099998.5,-3999996] }"#;
+        let camera = r#""camera": { "position": [0,1.5,4], "look_at": [0,-109999998.5,-399999996] }"#;
         folder.load("s.json", format!(r#"{{ "format": "octray-1", {camera}, {keys} }}"#)).unwrap().warnings
     };
     let ball = |y: f64, radius: f64| {

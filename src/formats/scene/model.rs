@@ -50,7 +50,13 @@ impl Model {
         placement: &Placement,
     ) -> Result<(), Unusable> {
         let (mesh, own) = match self {
-            Self::Gltf(gltf) => return gltf.add(path, builder, material, placement),
+            Self::Gltf(gltf) => {
+                // As its standard demands.
+                builder.textures.ignores_profiles = true;
+                let added = gltf.add(path, builder, material, placement);
+                builder.textures.ignores_profiles = false;
+                return added;
+            }
             Self::Obj(obj) if material.is_none() => (&obj.mesh, obj.add_materials(path, builder)),
             Self::Ply(mesh) if material.is_none() => (mesh, mesh.add_materials(path, builder)),
             Self::Obj(Obj { mesh, .. }) | Self::Ply(mesh) => (mesh, Vec::new()),

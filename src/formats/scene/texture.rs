@@ -37,6 +37,8 @@ pub struct Textures {
     /// Where they come from.
     pub files: Files,
     pub list: Vec<Texture>,
+    /// Are all display values sRGB, whatever a file's profile says?
+    pub ignores_profiles: bool,
     /// What of image files is left out, as full sentences.
     pub left_out: Vec<String>,
     bytes: usize,
@@ -72,7 +74,8 @@ impl Textures {
             return Ok(known);
         }
         let mut left_out = Vec::new();
-        let (width, height, texels) = decode(&content()?, path, texel_kind, &mut left_out)?;
+        let (width, height, texels) =
+            decode(&content()?, path, texel_kind, self.ignores_profiles, &mut left_out)?;
         self.left_out.extend(left_out.into_iter().map(|what| format!("{}: {what}.", path.display())));
         self.add(key, Texture { name: name.to_string(), width, height, filter, texels: change(texels) })
     }
@@ -97,6 +100,7 @@ fn decode(
     bytes: &[u8],
     path: &Path,
     texel_kind: TexelKind,
+    ignores_profiles: bool,
     left_out: &mut Vec<String>,
 ) -> Result<(u32, u32, Texels), String> {
     let radiance = bytes.starts_with(b"#?").then(|| Radiance::new(bytes)).transpose()?;
@@ -158,12 +162,16 @@ fn decode(
     if format == ImageFormat::Jpeg && !has_end(bytes) {
         left_out.push("its end is missing: the last rows may be wrong".to_string());
     }
-    let converted = profile.map(|profile| linear(&profile?, &picture));
-    if let Some(None) = converted {
-        left_out.push("its colour profile is left out: it is read as sRGB".to_string());
-    }
-    let converted = converted.flatten().flatten();
-    Ok((width, height, converted.unwrap_or_else(|| display_texels(picture, texel_kind))))
+    let texels = match profile.map(|profile| linear(&profile?, &picture)) {
+        Some(Some(Some(converted))) if !ignores_profiles => converted,
+        converted => {
+            if let Some(None | Some(Some(_))) = converted {
+                left_out.push("its colour profile is left out: it is read as sRGB".to_string());
+            }
+            display_texels(picture, texel_kind)
+        }
+    };
+    Ok((width, height, texels))
 }
 
 /// Whether a JPEG file has the marker that ends its first picture; others may follow. The decoder makes up

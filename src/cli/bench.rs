@@ -9,24 +9,29 @@ use super::scenes;
 use super::terminal::{self, Printer};
 use crate::lane::WIDTHS;
 use crate::machine;
-use crate::measure::bench::{Configuration, Effort, Engine, bench};
+use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
 use crate::render::{LaneChoice, Renderer, Settings};
-use crate::report::baseline::Baseline;
-use crate::report::bench::{MeasuredScene, Report, doubt, heading, meaning, ratios, row, stats_of, summary};
-use crate::report::settings::{RunSettings, own_size};
+use crate::report::baseline::{Baseline, over_rounds, text as over_baseline};
+use crate::report::bench::{
+    Against, MeasuredScene, Report, doubt, heading, meaning, ratios, row, stats_of, summary,
+};
+use crate::report::settings::{RunSettings, differences, json, own_size};
 use crate::scene::{Scene, bench_names};
-use clap::Parser;
+use clap::{ArgAction, Args, FromArgMatches, Parser};
 use std::collections::BTreeSet;
-use std::ffi::OsString;
-use std::fs;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
+use std::{env, fs, iter};
 
 /// Measuring time of a scene, all engines together; the eight built-in ones take half a minute, loading and
 /// comparing included.
 const PER_SCENE: Duration = Duration::from_secs(2);
+/// Measuring time of the slowest engine of a program that another is compared with, in each of the rounds.
+const A_TURN: Duration = Duration::from_millis(500);
+const PROGRAM_ROUNDS: usize = 5;
 /// Most measured frames.
 const MAX_FRAMES: u32 = 1_000_000;
 
@@ -61,18 +66,37 @@ pub struct Options {
     /// Print time by stage, rays, SIMD use, tests per ray.
     #[arg(long)]
     stats: bool,
-    /// Worker threads [default: one, and SIMD on all cores].
-    #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
-    threads: Option<usize>,
-    /// Measure one width: auto, 1, 8, 16 [default: all].
-    #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true)]
-    lanes: Option<LaneChoice>,
     /// Measured frames [default: two seconds, at least 50].
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_FRAMES>, allow_hyphen_values = true)]
     frames: Option<u32>,
-    /// Print ratios to an earlier report (--json).
-    #[arg(long, value_name = "FILE")]
+    /// An earlier report (--json).
+    #[arg(long, value_name = "FILE", help_heading = RATIOS)]
     baseline: Option<PathBuf>,
+    /// Other options, in alternating rounds.
+    ///
+    /// The same options but these, such as --against "--traversal single". With other --lanes or --threads,
+    /// the first width has a ratio to the first one there.
+    #[arg(long, value_name = "OPTIONS", help_heading = RATIOS, allow_hyphen_values = true, conflicts_with = "against_program")]
+    against: Option<String>,
+    /// Another octray, in alternating runs.
+    #[arg(long, value_name = "PROGRAM", help_heading = RATIOS)]
+    against_program: Option<PathBuf>,
+    #[command(flatten)]
+    engines: Engines,
+}
+
+/// The heading of options of what a run is compared with.
+const RATIOS: &str = "Print ratios to";
+
+/// The engines and their frames.
+#[derive(Clone, Debug, clap::Args)]
+struct Engines {
+    /// Worker threads [default: one, and SIMD on all cores].
+    #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
+    threads: Option<usize>,
+    /// Widths to measure, such as 8,1: auto, 1, 8, 16 [default: all].
+    #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true, value_delimiter = ',', action = ArgAction::Set)]
+    lanes: Vec<LaneChoice>,
     #[command(flatten)]
     frame: FrameOptions,
 }
@@ -81,13 +105,28 @@ pub struct Options {
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     terminal::warn_of_debug_build("bench");
-    let out = Printer { json: options.json };
-    options.frame.check(COMPARE_BYTES_PER_PIXEL)?;
+    let (out, engines) = (Printer { json: options.json }, &options.engines);
+    let second = options.against.as_deref().map(|words| engines.with(words)).transpose()?;
+    let bytes = COMPARE_BYTES_PER_PIXEL * if second.is_some() { 2 } else { 1 };
+    iter::once(engines).chain(&second).try_for_each(|one| one.frame.check(bytes))?;
     let mut report = Report::new(options.run_settings());
     let defaults = Options::parse_from(["bench"]).run_settings();
     let (mut failed, mut own) = (false, Vec::new());
     let scenes = scenes::checked(&options.scenes, bench_names())?;
-    let baseline = options.baseline.as_deref().map(|file| options.baseline(file, &scenes)).transpose()?;
+    let baseline = options.baseline.as_deref().map(baseline).transpose()?;
+    // A program that cannot be used shows before anything is measured.
+    let program = options.against_program.as_deref();
+    let other =
+        program.map(|program| program_report(program, &scenes[0], &engines.words(), 1)).transpose()?;
+    let settings = second.as_ref().map(|second| json(&second.run_settings()));
+    let with = options.against.clone().or(program.map(|program| program.display().to_string()));
+    let there = with.zip(settings.or(other.map(|report| report.settings)));
+    report.against = there.map(|(with, mut settings)| {
+        // They change no rate.
+        settings.as_object_mut().map(|options| options.remove("frames"));
+        let differences = differences(&json(&engines.run_settings()), &settings);
+        Against { with, differences, ..Against::default() }
+    });
     let last_note = |report: &Report| {
         let done = format!("Ctrl-C came after {} of {} scenes", report.accuracy.len(), scenes.len());
         match options.json {
@@ -97,16 +136,42 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     };
     interrupt::end_with(last_note(&report));
     for (index, spec) in scenes.iter().enumerate() {
-        let (scene, settings) = options.frame.load(spec, COMPARE_BYTES_PER_PIXEL)?;
+        let (scene, settings) = engines.frame.load(spec, bytes)?;
+        let mut timed = vec![(settings, engines.list())];
+        if let Some(second) = &second {
+            let mut others = second.list();
+            others.truncate(if others == engines.list() { others.len() } else { 1 });
+            timed.push((second.frame.checked(&scene, bytes)?, others));
+        }
         if index == 0 {
             report.first_frame_ms = first_frame(&scene, settings, start);
             out.text(&heading(&report, &defaults))?;
         }
-        let effort = options.frames.map_or(Effort::Time(PER_SCENE), Effort::Frames);
-        let configuration = Configuration { settings, engines: options.engines() };
-        let results = bench(&scene, &[configuration], effort, options.stats).concat();
-        let accuracy = compare(&scene, settings, 1, false);
-        failed |= accuracy.failed(settings.methods);
+        let effort = options.frames.map_or(Effort::Time(PER_SCENE * timed.len() as u32), Effort::Frames);
+        let mut measured = bench(&scene, &timed, effort, options.stats).into_iter();
+        let mut compared = timed.iter().map(|(settings, _)| {
+            let accuracy = compare(&scene, *settings, 1, false);
+            failed |= accuracy.failed(settings.methods);
+            accuracy
+        });
+        let (Some(results), Some(accuracy)) = (measured.next(), compared.next()) else { continue };
+        if let Some(against) = &mut report.against {
+            if let (Some(second), Some(accuracy)) = (measured.next(), compared.next()) {
+                against.push(&results, second, accuracy);
+            }
+            if let Some(program) = program {
+                let slowest = results.iter().map(|result| result.fps_median).fold(f64::INFINITY, f64::min);
+                let enough = (A_TURN.as_secs_f64() * slowest) as u32;
+                let frames = options.frames.unwrap_or(enough.clamp(FEWEST_FRAMES as u32, MAX_FRAMES));
+                let programs = [&env::current_exe().unwrap_or_else(|_| "octray".into()), program];
+                let mut reports = [Vec::new(), Vec::new()];
+                for turn in 0..2 * PROGRAM_ROUNDS {
+                    let side = [0, 1, 1, 0][turn % 4];
+                    reports[side].push(program_report(programs[side], spec, &engines.words(), frames)?);
+                }
+                against.ratios.extend(over_rounds(&scene.name, &reports));
+            }
+        }
         let row = row(&results, &accuracy);
         report.scenes.push(MeasuredScene::of(&scene, &settings));
         own.extend(own_size(&scene, &settings));
@@ -117,11 +182,11 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     }
     let doubt = doubt(&report.results);
     report.reliable = doubt.is_none() && !cfg!(debug_assertions);
-    report.over_baseline = baseline.as_ref().map(|baseline| baseline.ratios(&report));
-    out.text(&(ratios(&report) + &meaning(&report, &own)))?;
     if let Some(baseline) = &baseline {
-        out.text(&baseline.text(&report))?;
+        baseline.compare(&mut report);
     }
+    out.text(&(ratios(&report) + &meaning(&report, &own) + &over_baseline(&report)))?;
+    out.text(&report.against.as_ref().map(Against::text).unwrap_or_default())?;
     if options.stats {
         out.text(&stats_of(&report))?;
     }
@@ -132,16 +197,23 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 }
 
 impl Options {
-    /// The width that was asked for or that of `--lanes auto`; then, by default, the other packets that are
-    /// one vector of the machine, scalar, and the first once more on all cores.
-    fn engines(&self) -> Vec<Engine> {
-        let threads = self.threads();
-        let first = self.lanes.unwrap_or_default().lanes();
-        let mut engines = vec![Engine { lanes: first, threads }];
-        if self.lanes.is_none() {
-            let others = WIDTHS.into_iter().rev().filter(|&lanes| lanes != first);
-            engines.extend(others.map(|lanes| Engine { lanes, threads }));
-        }
+    fn run_settings(&self) -> RunSettings {
+        self.engines.run_settings().with("frames", self.frames)
+    }
+}
+
+impl Engines {
+    /// The widths that were asked for or, by default, that of `--lanes auto`, the other packets that are one
+    /// vector of the machine, and scalar; and the first once more on all cores.
+    fn list(&self) -> Vec<Engine> {
+        let threads = self.threads.unwrap_or(1);
+        let given = self.lanes.iter().map(|choice| choice.lanes());
+        let all = iter::once(LaneChoice::default().lanes()).chain(WIDTHS.into_iter().rev());
+        let widths: Vec<usize> = if self.lanes.is_empty() { all.collect() } else { given.collect() };
+        let is_new = |(at, lanes): &(usize, &usize)| !widths[..*at].contains(lanes);
+        let widths = widths.iter().enumerate().filter(is_new);
+        let mut engines: Vec<Engine> = widths.map(|(_, &lanes)| Engine { lanes, threads }).collect();
+        let first = engines[0].lanes;
         if self.threads.is_none() && machine::cores() > 1 && first > 1 {
             engines.push(Engine { lanes: first, threads: machine::cores() });
         }
@@ -149,34 +221,54 @@ impl Options {
     }
 
     fn run_settings(&self) -> RunSettings {
-        let engines = self.engines();
+        let engines = self.list();
         let lanes: BTreeSet<usize> = engines.iter().map(|engine| engine.lanes).collect();
         let threads: BTreeSet<usize> = engines.iter().map(|engine| engine.threads).collect();
         let (lanes, threads) = (lanes.into_iter().rev().collect(), threads.into_iter().collect());
-        let run = RunSettings { lanes, threads, ..self.frame.run_settings() };
-        run.with("frames", self.frames)
+        RunSettings { lanes, threads, ..self.frame.run_settings() }
     }
 
-    /// The report in this file, if it is one of these scenes and settings.
-    fn baseline(&self, file: &Path, scenes: &[OsString]) -> Result<Baseline, CliError> {
-        let refuse = |why: String| refuse("--baseline", file.display(), why);
-        let text =
-            fs::read_to_string(file).map_err(|error| refuse(format!("it cannot be read ({error})")))?;
-        let baseline = Baseline::read(&text).map_err(refuse)?;
-        let of = |name: &OsString| {
-            scenes::load(name).map(|scene| MeasuredScene::of(&scene, &self.frame.settings(&scene)))
-        };
-        let scenes = scenes.iter().map(of).collect::<Result<Vec<_>, _>>()?;
-        let (run, engines) = (self.run_settings(), self.engines());
-        baseline.check(&run, &engines, &scenes).map_err(refuse)?;
-        baseline.warnings(&run, &engines, &scenes).iter().for_each(|warning| terminal::warn(warning));
-        Ok(baseline)
+    /// The options that are not the defaults.
+    fn words(&self) -> String {
+        self.run_settings().options(&Options::parse_from(["bench"]).engines.run_settings())
     }
 
-    /// Of every engine but the one on all cores.
-    fn threads(&self) -> usize {
-        self.threads.unwrap_or(1)
+    /// These, and in their place the options in `text`.
+    fn with(&self, text: &str) -> Result<Self, CliError> {
+        let command = clap::Command::new("bench").no_binary_name(true).disable_help_flag(true);
+        let command = Self::augment_args(command).args_override_self(true);
+        let words = format!("{} {text}", self.words());
+        let found = command.try_get_matches_from(words.split_whitespace());
+        found.and_then(|found| Self::from_arg_matches(&found)).map_err(|error| {
+            let error = error.to_string();
+            let about =
+                |part: &&str| !["Usage", "For", "  tip: to"].iter().any(|other| part.starts_with(other));
+            let parts: Vec<&str> = error.trim_start_matches("error: ").split("\n\n").filter(about).collect();
+            refuse("--against", format!("\"{text}\""), parts.join("\n"))
+        })
     }
+}
+
+/// The report in this file.
+fn baseline(file: &Path) -> Result<Baseline, CliError> {
+    let refuse = |why: String| refuse("--baseline", file.display(), why);
+    let text = fs::read_to_string(file).map_err(|error| refuse(format!("it cannot be read ({error})")))?;
+    Baseline::read(&text).map_err(refuse)
+}
+
+/// The report of a program on a scene, with these options.
+fn program_report(program: &Path, scene: &OsStr, words: &str, frames: u32) -> Result<Baseline, CliError> {
+    let refuse = |why: String| refuse("--against-program", program.display(), why);
+    // A name without a folder would be searched for among the installed programs.
+    let mut command = Command::new(program.canonicalize().unwrap_or_else(|_| program.into()));
+    command.arg("bench").arg(scene).args(words.split_whitespace());
+    let output = command.args(["--frames", &frames.to_string(), "--json"]).stdin(Stdio::null()).output();
+    let output = output.map_err(|error| refuse(format!("it cannot be run ({error})")))?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        return Err(refuse(format!("it ended with {}: {}", output.status, said.trim())));
+    }
+    Baseline::read(&String::from_utf8_lossy(&output.stdout)).map_err(refuse)
 }
 
 /// Milliseconds from `start` to the end of a first frame.

@@ -29,9 +29,10 @@ const HASH: &str = "Only print a hash of each scene's film, equal on every machi
 /// allowed with a method that is not robust. All widths are always compared, so there is no --lanes.
 ///
 /// Columns: differing: pixels that differ. speed-up: SIMD over scalar, the median, and in brackets from 10 to
-/// 90 % of the rounds. rmse/f64, max/f64: root mean square and largest difference from the reference. wrong
-/// hits: primary hits that are wrong by the reference. Samples are timed on all cores at once, where other
-/// programs disturb them: `octray bench` measures the speed-up on one.
+/// 90 % of the rounds; a ? marks fewer than 3 rounds, or a busy machine. rmse/f64, max/f64: root mean square
+/// and largest difference from the reference. wrong hits: primary hits that are wrong by the reference.
+/// Samples are timed on all cores at once, where other programs disturb them: `octray bench` measures the
+/// speed-up on one.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray compare builtin:three --samples 64")]
 pub struct Options {

@@ -36,7 +36,7 @@ pub struct FrameOptions {
 
 impl FrameOptions {
     /// The settings of this scene's frames, on one thread.
-    pub fn settings(&self, scene: &Scene) -> Settings {
+    fn settings(&self, scene: &Scene) -> Settings {
         let own = Settings::of(scene);
         let sized = match self.as_scene {
             true => own,
@@ -58,15 +58,21 @@ impl FrameOptions {
         if self.as_scene { Ok(()) } else { memory::check(self.size, bytes_per_pixel) }
     }
 
-    /// Loads a scene with its warnings and for the reference, checks the memory of its own size, and says where a method tests
-    /// every primitive.
+    /// Loads a scene with its warnings and for the reference, checks the memory of its own size, and says where
+    /// a method tests every primitive.
     pub fn load(&self, name: &OsStr, bytes_per_pixel: usize) -> Result<(Loaded, Settings), CliError> {
         let scene = scenes::load_as(name, true).inspect(scenes::print_warnings)?;
-        let settings = self.settings(&scene);
+        let settings = self.checked(&scene, bytes_per_pixel)?;
+        Ok((scene, settings))
+    }
+
+    /// The settings of this scene's frames, checked as by [`FrameOptions::load`].
+    pub fn checked(&self, scene: &Scene, bytes_per_pixel: usize) -> Result<Settings, CliError> {
+        let settings = self.settings(scene);
         if self.as_scene {
             memory::check(settings.resolution, bytes_per_pixel)?;
         }
-        warn_of_lost_hierarchy(&settings.methods, &scene);
-        Ok((scene, settings))
+        warn_of_lost_hierarchy(&settings.methods, scene);
+        Ok(settings)
     }
 }

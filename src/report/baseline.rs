@@ -1,37 +1,40 @@
-//! `octray bench --baseline`: an earlier report of the command, and the ratios of a new one to it.
+//! Reports of `octray bench` that were made before, or by another program, and the ratios of a new one to
+//! them.
 //!
-//! For: [`Baseline`].
+//! For: [`Baseline`], [`over_rounds`].
 
-use super::bench::{MeasuredScene, OverBaseline, Report, SCHEMA, engine_name};
-use super::numbers::ratio;
-use super::settings::RunSettings;
-use super::text::{if_doubtful, paragraph, row};
-use crate::machine::Machine;
-use crate::measure::bench::Engine;
+use super::bench::{MeasuredScene, Over, Report, SCHEMA, table};
+use super::settings::{differences, in_words, json};
+use crate::measure::cores::Reliability;
 use crate::measure::timed::Ratio;
 use serde::Deserialize;
+use serde_json::Value;
 
 /// What is read of a report.
 #[derive(Debug, Deserialize)]
 pub struct Baseline {
     schema: String,
-    settings: RunSettings,
+    /// As they stand there, because other versions have other settings.
+    pub settings: Value,
     reliable: bool,
     scenes: Vec<MeasuredScene>,
     results: Vec<Speed>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 struct Speed {
     lanes: usize,
     threads: usize,
     fps_median: f64,
     fps_spread: [f64; 2],
+    /// Earlier reports do not say.
+    #[serde(flatten)]
+    reliability: Reliability,
 }
 
 impl Speed {
-    fn is_of(&self, lanes: usize, threads: usize) -> bool {
-        (self.lanes, self.threads) == (lanes, threads)
+    fn engine(&self) -> [usize; 2] {
+        [self.lanes, self.threads]
     }
 }
 
@@ -47,107 +50,105 @@ impl Baseline {
         }
     }
 
-    /// Refuses other settings, other engines and other scenes.
-    pub fn check(
-        &self,
-        settings: &RunSettings,
-        engines: &[Engine],
-        scenes: &[MeasuredScene],
-    ) -> Result<(), String> {
-        // Engines are paired one by one, and the number of frames changes no rate.
-        let comparable = |run: &RunSettings| {
-            let mut more = run.more.clone();
-            more.remove("frames");
-            RunSettings { lanes: Vec::new(), threads: Vec::new(), more, ..run.clone() }
-        };
-        let [old, new] = [&self.settings, settings].map(comparable);
-        let (olds, news) = (old.options(&new), new.options(&old));
-        if olds != news {
-            return Err(format!("it has other settings: {olds}, here {news}; give the same"));
-        }
-        if let Some(scene) = scenes.iter().find(|scene| self.scenes.iter().all(|old| !old.is_same(scene))) {
-            let name = &scene.scene;
-            if let Some(old) = self.scenes.iter().find(|old| old.scene == *name) {
-                let changes = old.changes(scene);
-                return Err(format!("`{name}` has changed since ({changes}): measure it anew"));
-            }
-            let names: Vec<&str> = self.scenes.iter().map(|old| old.scene.as_str()).collect();
-            return Err(format!("it has not measured `{name}`: its scenes are {}", names.join(", ")));
-        }
-        let has = |engine: &Engine| self.results.iter().any(|old| old.is_of(engine.lanes, engine.threads));
-        match engines.iter().any(has) {
-            true => Ok(()),
-            false => Err("it has none of the widths and threads here: give --lanes or --threads".into()),
-        }
+    /// The speeds of a scene: the one with the same content, or else the same name.
+    fn speeds(&self, scene: &MeasuredScene) -> Option<(&MeasuredScene, &[Speed])> {
+        let engines = (self.results.len() / self.scenes.len().max(1)).max(1);
+        let all = || self.scenes.iter().zip(self.results.chunks(engines));
+        let same = all().find(|(old, _)| old.content == scene.content);
+        same.or_else(|| all().find(|(old, _)| old.scene == scene.scene))
     }
 
-    /// Why the ratios may not hold, and which there are not.
-    pub fn warnings(
-        &self,
-        settings: &RunSettings,
-        engines: &[Engine],
-        scenes: &[MeasuredScene],
-    ) -> Vec<String> {
-        let [old, new] =
-            [&self.settings, settings].map(|run| Machine { commit: String::new(), ..run.machine.clone() });
-        let machine = (old != new).then(|| {
-            format!("the baseline is of another machine or build: {} ({})", self.settings.machine, old.flags)
-        });
-        let busy = (!self.reliable).then(|| "the baseline was not reliable when it was measured".to_owned());
-        let is_left_out = |old: &&MeasuredScene| scenes.iter().all(|new| !old.is_same(new));
-        let lacking = self.scenes.iter().filter(is_left_out).map(|old| old.scene.clone());
-        let is_left_out = |old: &&Speed| engines.iter().all(|new| !old.is_of(new.lanes, new.threads));
-        let others = self.results.iter().take(self.engines()).filter(is_left_out);
-        let lacking: Vec<_> = lacking.chain(others.map(|old| engine_name(old.lanes, old.threads))).collect();
-        let lacking = (!lacking.is_empty()).then(|| format!("only the baseline has {}", lacking.join("; ")));
-        machine.into_iter().chain(busy).chain(lacking).map(|warning| warning + ".").collect()
-    }
-
-    /// The number of engines of each scene.
-    fn engines(&self) -> usize {
-        (self.results.len() / self.scenes.len().max(1)).max(1)
-    }
-
-    /// The ratios of all engines of a new report that the baseline has.
-    pub fn ratios(&self, report: &Report) -> Vec<OverBaseline> {
+    /// Adds to a report its ratios to this one, and what the two do not share. An engine is compared with one
+    /// of the same width and threads; where none has its like, the first with the first.
+    pub fn compare(&self, report: &mut Report) {
+        let mut found = differences(&json(&report.settings), &self.settings);
         let mut ratios = Vec::new();
         for (scene, results) in report.scenes.iter().zip(report.engines()) {
-            let of_scene = self.scenes.iter().zip(self.results.chunks(self.engines()));
-            let olds = of_scene.filter(|(old, _)| old.is_same(scene)).map(|(_, olds)| olds).next();
-            for new in results {
-                let old = olds.into_iter().flatten().find(|old| old.is_of(new.lanes, new.threads));
-                ratios.extend(old.map(|old| OverBaseline {
-                    scene: scene.scene.clone(),
-                    lanes: new.lanes,
-                    threads: new.threads,
-                    ratio: Ratio {
-                        median: new.fps_median / old.fps_median,
-                        spread: [
-                            new.fps_spread[0] / old.fps_spread[1],
-                            new.fps_spread[1] / old.fps_spread[0],
-                        ],
-                        rounds: 1,
-                        reliability: new.reliability,
-                    },
-                }));
+            let Some((old_scene, olds)) = self.speeds(scene) else { continue };
+            found.extend(scene.differences(old_scene));
+            let like = |engine| olds.iter().find(|old| old.engine() == engine);
+            let mut pairs: Vec<_> =
+                results.iter().filter_map(|new| Some((new, like([new.lanes, new.threads])?))).collect();
+            if pairs.is_empty() {
+                pairs.extend(results.first().zip(olds.first()));
             }
+            ratios.extend(pairs.into_iter().map(|(new, old)| Over {
+                scene: scene.scene.clone(),
+                lanes: new.lanes,
+                threads: new.threads,
+                there: old.engine(),
+                ratio: Ratio {
+                    median: new.fps_median / old.fps_median,
+                    spread: [new.fps_spread[0] / old.fps_spread[1], new.fps_spread[1] / old.fps_spread[0]],
+                    rounds: 1,
+                    reliability: Reliability {
+                        reliable: new.reliability.reliable && self.reliable,
+                        ..new.reliability
+                    },
+                },
+            }));
         }
-        ratios
+        report.over_baseline = Some(ratios);
+        report.baseline_differences = Some(found);
     }
+}
 
-    /// The ratios as a table.
-    pub fn text(&self, report: &Report) -> String {
-        let ratios = report.over_baseline.as_deref().unwrap_or_default();
-        let doubt = if_doubtful(self.reliable && report.reliable, "ratios");
-        let meaning = format!(
-            "New over old, frames per second (old: commit {}): of the median frames, and in brackets from the \
-             slow tenth of the new over the fast tenth of the old to the reverse.{doubt}",
-            self.settings.machine.commit
-        );
-        let rows = ratios.iter().map(|one| {
-            let engine = engine_name(one.lanes, one.threads);
-            row(&[-24, -24, 24], [one.scene.clone(), engine, ratio(one.ratio)])
-        });
-        format!("\n{}{}", paragraph(&meaning), rows.collect::<String>())
+/// The ratios of a report as a table.
+pub fn text(report: &Report) -> String {
+    let (Some(ratios), Some(differences)) = (&report.over_baseline, &report.baseline_differences) else {
+        return String::new();
+    };
+    let none = if ratios.is_empty() { " The baseline has none of these scenes." } else { "" };
+    let meaning = format!(
+        "New over old, frames per second: of the median frames, and in brackets from the slow tenth of the new \
+         over the fast tenth of the old to the reverse.{none} {}",
+        in_words(differences)
+    );
+    table(&meaning, ratios)
+}
+
+/// The ratios of a program to another one on a scene, of rounds in which each made a report: of the engines
+/// that both have timed.
+pub fn over_rounds(scene: &str, [here, there]: &[Vec<Baseline>; 2]) -> Vec<Over> {
+    let over = |first: &Speed| {
+        let of = |reports: &[Baseline]| {
+            let speed =
+                |report: &Baseline| report.results.iter().find(|one| one.engine() == first.engine()).copied();
+            reports.iter().map(speed).collect::<Option<Vec<Speed>>>()
+        };
+        let (here, there) = (of(here)?, of(there)?);
+        let seconds = |speeds: &[Speed]| speeds.iter().map(|one| 1.0 / one.fps_median).collect::<Vec<_>>();
+        let worse = here.iter().zip(&there).map(|(here, there)| here.reliability.worse(&there.reliability));
+        let ratio = Ratio::of_rounds(&seconds(&here), &seconds(&there), &worse.collect::<Vec<_>>())?;
+        let (scene, Speed { lanes, threads, .. }) = (scene.to_owned(), *first);
+        Some(Over { scene, lanes, threads, there: first.engine(), ratio })
+    };
+    here.first().into_iter().flat_map(|report| report.results.iter().filter_map(over)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn rounds_of_two_programs_give_the_ratio_of_each_engine_that_both_have() {
+        let report = |engines: &[(usize, f64)]| {
+            let result = |&(lanes, fps): &(usize, f64)| {
+                json!({ "lanes": lanes, "threads": 1, "fps_median": fps, "fps_spread": [fps, fps],
+                        "reliable": true, "pinned": true, "taken": 0.01 })
+            };
+            let results: Vec<Value> = engines.iter().map(result).collect();
+            let report = json!({ "schema": SCHEMA, "settings": {}, "reliable": true, "scenes": [], "results": results });
+            Baseline::read(&report.to_string()).unwrap()
+        };
+        let here = [1.0, 0.5, 2.0].map(|fps| report(&[(8, 6.0 * fps), (1, fps), (16, 9.0)]));
+        // In the second round the machine is half as fast.
+        let there = [1.0, 0.5, 1.0].map(|fps| report(&[(1, fps), (8, 2.0 * fps)]));
+        let found = over_rounds("s", &[here.into(), there.into()]);
+        let found = found
+            .iter()
+            .map(|over| (over.lanes, over.ratio.median, over.ratio.spread, over.ratio.reliability.reliable));
+        assert_eq!(found.collect::<Vec<_>>(), [(8, 3.0, [3.0, 6.0], true), (1, 1.0, [1.0, 2.0], true)]);
     }
 }

@@ -3,7 +3,7 @@
 //! For: [`Report`].
 
 use super::numbers::{figure, mark, ratio};
-use super::settings::{RunSettings, json, own_sizes, traversals};
+use super::settings::{Differences, RunSettings, differences, in_words, json, own_sizes, traversals};
 use super::stats::{self, engine};
 use super::text::{self, paragraph};
 use crate::checkpoint::Fingerprint;
@@ -36,7 +36,13 @@ pub struct Report {
     pub accuracy: Vec<Comparison>,
     /// With `--baseline`, by scene, then by engine.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub over_baseline: Option<Vec<OverBaseline>>,
+    pub over_baseline: Option<Vec<Over>>,
+    /// What the baseline does not share of settings, machine and scenes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub baseline_differences: Option<Differences>,
+    /// With `--against` and `--against-program`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against: Option<Against>,
 }
 
 /// Name and version of the JSON report's form.
@@ -52,7 +58,7 @@ pub struct MeasuredScene {
     /// Most scattering events of a path.
     bounces: u32,
     /// Its content, in checksums.
-    content: Fingerprint,
+    pub content: Fingerprint,
 }
 
 impl MeasuredScene {
@@ -62,33 +68,79 @@ impl MeasuredScene {
         Self { scene: scene.name.clone(), size, bounces, content: Fingerprint::of(scene) }
     }
 
-    /// Are both one scene, whatever its name?
-    pub fn is_same(&self, other: &Self) -> bool {
-        (self.size, self.bounces, &self.content) == (other.size, other.bounces, &other.content)
-    }
-
-    /// What differs, by name.
-    pub fn changes(&self, other: &Self) -> String {
-        let [here, there] = [self, other].map(|scene| json(&scene.content));
-        let parts = here.as_object().into_iter().flatten().filter(|(part, mark)| there[*part] != **mark);
-        let parts: Vec<&str> = parts.map(|(part, _)| part.as_str()).collect();
-        if parts.is_empty() { "size or bounces".into() } else { parts.join(", ") }
+    /// What differs, each with the scene's name.
+    pub fn differences(&self, other: &Self) -> Differences {
+        let found = differences(&json(&self.content), &json(&other.content));
+        found.into_iter().map(|(name, values)| (format!("{name} of {}", self.scene), values)).collect()
     }
 }
 
-/// The speed of a scene and an engine over that in the baseline.
+/// The speed of a scene and an engine over another one's.
 #[derive(Debug, Serialize)]
-pub struct OverBaseline {
+pub struct Over {
     /// Its name.
     pub scene: String,
     /// SIMD width.
     pub lanes: usize,
     /// Worker threads.
     pub threads: usize,
-    /// Of the median frames; above 1 where the new one is faster. The spread is from the slow tenth of the
-    /// new frames over the fast tenth of the old ones, to the reverse.
+    /// SIMD width and threads of the other one.
+    pub there: [usize; 2],
+    /// Above 1 where this run is faster. Over a baseline it is that of the median frames, and the spread is
+    /// from the slow tenth of the new frames over the fast tenth of the old ones, to the reverse.
     #[serde(flatten)]
     pub ratio: Ratio,
+}
+
+/// What was measured in alternating rounds with a run.
+#[derive(Debug, Default, Serialize)]
+pub struct Against {
+    /// The options, or the program.
+    pub with: String,
+    /// What the two do not share.
+    pub differences: Differences,
+    /// By scene, then by engine.
+    pub ratios: Vec<Over>,
+    /// The second configuration's figures; a program's are not here.
+    pub results: Vec<Measurement>,
+    /// One sample of each scene in the second configuration.
+    pub accuracy: Vec<Comparison>,
+}
+
+impl Against {
+    /// Adds a scene; `first` are the engines of this run, `second` those they have ratios to.
+    pub fn push(&mut self, first: &[Measurement], second: Vec<Measurement>, accuracy: Comparison) {
+        self.ratios.extend(first.iter().zip(&second).filter_map(|(here, there)| {
+            let (scene, there) = (here.scene.clone(), [there.lanes, there.threads]);
+            Some(Over { scene, lanes: here.lanes, threads: here.threads, there, ratio: here.over_second? })
+        }));
+        self.results.extend(second);
+        self.accuracy.push(accuracy);
+    }
+
+    /// The ratios as a table.
+    pub fn text(&self) -> String {
+        let rmse = |one: &Comparison| format!(" rmse of {} there: {:.1e}.", one.scene, one.reference.rmse);
+        let meaning = format!(
+            "Here over {}, frames per second in alternating rounds: medians of the rounds, and in brackets \
+             from 10 to 90 % of them. {}{}",
+            self.with,
+            in_words(&self.differences),
+            self.accuracy.iter().map(rmse).collect::<String>()
+        );
+        table(&meaning, &self.ratios)
+    }
+}
+
+/// A table of ratios below what they mean.
+pub fn table(meaning: &str, ratios: &[Over]) -> String {
+    let cells = |one: &Over| {
+        let [here, there] =
+            [[one.lanes, one.threads], one.there].map(|[lanes, threads]| engine_name(lanes, threads));
+        let engines = if here == there { here } else { format!("{here} over {there}") };
+        text::row(&[-24, -44, 24], [&one.scene, &engines, &ratio(one.ratio)])
+    };
+    format!("\n{}{}", paragraph(meaning), ratios.iter().map(cells).collect::<String>())
 }
 
 impl Report {
@@ -103,6 +155,8 @@ impl Report {
             results: Vec::new(),
             accuracy: Vec::new(),
             over_baseline: None,
+            baseline_differences: None,
+            against: None,
         }
     }
 
@@ -113,6 +167,10 @@ impl Report {
     }
 }
 
+/// What the table of ratios means.
+const RATIOS: &str = "\
+Ratios, medians of the rounds (10 to 90 % of them): speed-up is SIMD over scalar, scaling is all cores over one, \
+specialisation is over the pipeline with every feature, where the scene does not use that one.";
 /// Stands for what was not measured.
 const NOTHING: &str = "–";
 
@@ -173,37 +231,34 @@ fn rate(fps: f64) -> String {
     if fps < 10_000.0 { figure(fps, 0) } else { figure(fps / 1_000.0, decimals) + "k" }
 }
 
-type RatioOf = fn(&Measurement) -> Option<Ratio>;
-/// The columns of the table of ratios: name, meaning, value.
-const RATIOS: [(&str, &str, RatioOf); 3] = [
-    ("speed-up", "SIMD over scalar", |result| result.speedup),
-    ("scaling", "all cores over one", |result| result.scaling),
-    (
-        "specialisation",
-        "over the pipeline with every feature, where the scene does not use that one",
-        |result| result.specialisation,
-    ),
-];
+/// The columns of the table of ratios for a scene: names and values.
+fn columns(of_scene: &[Measurement]) -> Vec<(String, Option<Ratio>)> {
+    let first = of_scene.iter().filter(|one| one.threads == of_scene[0].threads && one.lanes > 1);
+    let speedups = first.map(|one| (format!("speed-up, {}", engine(one.lanes)), one.speedup));
+    let scaling = of_scene.iter().find_map(|one| one.scaling);
+    speedups
+        .chain([("scaling".into(), scaling), ("specialisation".into(), of_scene[0].specialisation)])
+        .collect()
+}
 
 /// The ratios of the scenes, below the table of rates; nothing where no ratio was measured.
 pub fn ratios(report: &Report) -> String {
-    let row = |scene: &str, cells: [String; 3]| {
-        text::row(&[-24, 24, 24, 24], std::iter::once(scene.to_owned()).chain(cells))
+    let row = |scene: &str, cells: Vec<String>| {
+        let widths = [&[-24][..], &vec![24; cells.len()]].concat();
+        text::row(&widths, std::iter::once(scene.to_owned()).chain(cells))
     };
     let mut rows = String::new();
     for of_scene in report.engines() {
-        let ratios = RATIOS.map(|(.., of)| of_scene.iter().find_map(of));
+        let (names, ratios): (Vec<_>, Vec<_>) = columns(of_scene).into_iter().unzip();
         if ratios.iter().any(Option::is_some) {
+            if rows.is_empty() {
+                rows = row("scene", names);
+            }
             let cell = |of: Option<Ratio>| of.map_or(NOTHING.into(), ratio);
-            rows += &row(&of_scene[0].scene, ratios.map(cell));
+            rows += &row(&of_scene[0].scene, ratios.into_iter().map(cell).collect());
         }
     }
-    if rows.is_empty() {
-        return rows;
-    }
-    let meanings = RATIOS.map(|(name, meaning, _)| format!("{name} is {meaning}")).join(", ");
-    let meanings = format!("Ratios, medians of the rounds (10 to 90 % of them): {meanings}.");
-    format!("\n{}\n{}{rows}", paragraph(&meanings), row("scene", RATIOS.map(|(name, ..)| name.into())))
+    if rows.is_empty() { rows } else { format!("\n{}{rows}", paragraph(RATIOS)) }
 }
 
 /// Why the figures are not reliable, in a few words and as a warning: the machine is busy, or a scene has
@@ -221,7 +276,7 @@ pub fn doubt(results: &[Measurement]) -> Option<(&'static str, String)> {
     })
 }
 
-/// The doubt in a sentence about a figure; a debug build is the first.
+/// The doubt as a clause; a debug build is the first.
 fn unreliable(report: &Report) -> String {
     let debug = cfg!(debug_assertions).then_some("of a debug build");
     let why = debug.or_else(|| doubt(&report.results).map(|(why, _)| why));
@@ -240,27 +295,6 @@ pub fn stats_of(report: &Report) -> String {
         stats::frames(&of_scene[0].scene, &columns)
     });
     tables.collect::<String>() + &stats::meaning_of_frames()
-}
-
-/// The speed-up, once: over the scenes, with the spread of the rounds, and whether it is reliable.
-fn speedup(report: &Report) -> String {
-    let ratios: Vec<Ratio> = report.engines().filter_map(|of_scene| of_scene[0].speedup).collect();
-    let range = |least: fn(&Ratio) -> f64, most: fn(&Ratio) -> f64| {
-        let least = ratios.iter().map(least).fold(f64::INFINITY, f64::min);
-        let most = ratios.iter().map(most).fold(0.0, f64::max);
-        let [least, most] = [least, most].map(|x| format!("{x:.1}"));
-        if least == most { least } else { format!("{least} to {most}") }
-    };
-    let Some(first) = report.results.first().filter(|_| !ratios.is_empty()) else {
-        return "One width was timed.\n".into();
-    };
-    paragraph(&format!(
-        "Speed-up: {} are {} times as fast as scalar (10 to 90 % of the rounds: {}){}.",
-        engine(first.lanes),
-        range(|ratio| ratio.median, |ratio| ratio.median),
-        range(|ratio| ratio.spread[0], |ratio| ratio.spread[1]),
-        unreliable(report)
-    ))
 }
 
 /// One line to paste: frames per second of the first engine, how, where, and of which commit.
@@ -294,7 +328,7 @@ pub fn meaning(report: &Report, own: &[String]) -> String {
     let pixels: usize = report.accuracy.iter().map(|accuracy| accuracy.mismatched_pixels).sum();
     let hits: usize = report.accuracy.iter().map(|accuracy| accuracy.reference.mismatched_hits).sum();
     let firsts = report.engines().map(|of_scene| (of_scene[0].scene.as_str(), of_scene[0].traversal));
-    let (speedup, traversals, own) = (speedup(report), traversals(firsts), own_sizes(own));
+    let (traversals, own) = (traversals(firsts), own_sizes(own));
     let same = match pixels {
         0 => "The pictures of all widths are the same, bit by bit.".into(),
         _ => counted(pixels, "PIXEL DIFFERS.", "PIXELS DIFFER."),
@@ -303,7 +337,7 @@ pub fn meaning(report: &Report, own: &[String]) -> String {
         0 => "Every primary hit is right by the f64 reference.".into(),
         _ => counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference.",
     };
-    format!("\n{speedup}{same}\n{right}\n{traversals}{own}")
+    format!("\n{same}\n{right}\n{traversals}{own}")
 }
 
 #[cfg(test)]
@@ -370,34 +404,35 @@ mod tests {
 
     #[test]
     fn ratios_stand_below_their_names_in_a_row_for_each_scene() {
-        // Two engines of two scenes that have one name.
+        // Three engines of two scenes that have one name.
         let engines = |speedup, scaling| {
-            let first = Measurement { speedup, specialisation: times(1.5), ..result("same", 99, 0.0) };
-            [first, Measurement { scaling, threads: 4, ..result("same", 99, 0.0) }]
+            let of = |lanes| Measurement { lanes, ..result("same", 99, 0.0) };
+            let first = Measurement { speedup, specialisation: times(1.5), ..of(16) };
+            let all_cores = Measurement { scaling, threads: 4, ..of(16) };
+            [first, Measurement { speedup: times(3.0), ..of(8) }, all_cores]
         };
         let mut report = Report {
             results: [engines(times(7.0), times(2.0)), engines(times(6.0), None)].concat(),
             accuracy: vec![equal_pictures(), equal_pictures()],
             ..Report::new(RunSettings::of(Methods::default()))
         };
+        report.results[3].speedup.as_mut().unwrap().reliability.reliable = false;
         let rows = ratios(&report);
         let rows: Vec<Vec<&str>> =
             rows.lines().skip_while(|line| !line.starts_with("scene ")).map(words).collect();
-        assert_eq!(rows[0], ["scene", "speed-up", "scaling", "specialisation"]);
-        assert_eq!(rows[1], ["same", "7.00×", "(6.75–7.50)", "2.00×", "(1.75–2.50)", "1.50×", "(1.25–2.00)"]);
-        assert_eq!(rows[2], ["same", "6.00×", "(5.75–6.50)", "–", "1.50×", "(1.25–2.00)"]);
+        let eight = ["3.00×", "(2.75–3.50)"];
+        let special = ["1.50×", "(1.25–2.00)"];
+        assert_eq!(rows[0].join(" "), "scene speed-up, 16 lanes speed-up, 8 lanes scaling specialisation");
+        let first = [&["same", "7.00×", "(6.75–7.50)"][..], &eight, &["2.00×", "(1.75–2.50)"], &special];
+        assert_eq!(rows[1], first.concat());
+        assert_eq!(rows[2], [&["same", "6.00×?", "(5.75–6.50)"][..], &eight, &["–"], &special].concat());
         assert_eq!(rows.len(), 3);
-        let told = |report: &Report| speedup(report).replace('\n', " ");
-        let expected =
-            "Speed-up: 8 lanes are 6.0 to 7.0 times as fast as scalar (10 to 90 % of the rounds: 5.8 to 7.5)";
-        assert!(told(&report).starts_with(expected), "{}", told(&report));
         report.results[0].reliability = reliability(0.1);
         let why = if cfg!(debug_assertions) { "of a debug build" } else { "on a busy machine" };
         let why = format!(", {why}: not reliable");
-        assert!(told(&report).ends_with(&format!("{why}. ")), "{}", told(&report));
         let summary = summary(&report, &report.settings);
         assert!(
-            summary.contains(&format!("same 100 fps (6.0 × scalar){why}; 8 lanes, 2 threads;")),
+            summary.contains(&format!("same 100 fps (6.0 × scalar){why}; 16 lanes, 2 threads;")),
             "{summary}"
         );
         report.results.iter_mut().for_each(|result| *result = self::result("same", 99, 0.0));

@@ -6,7 +6,6 @@ use super::settings::{RunSettings, traversals};
 use super::text;
 use crate::lane::FUSED;
 use crate::measure::compare::Comparison;
-use crate::measure::timed::FEWEST_ROUNDS;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
@@ -78,25 +77,17 @@ pub fn heading(report: &Report, defaults: &RunSettings) -> String {
 /// A scene's row, and below it what is odd about the scene.
 pub fn row(result: &Comparison) -> String {
     let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, reference, .. } = result;
-    let rounds = result.speedup.map_or(0, |speedup| speedup.rounds);
-    let speedup = result.speedup.filter(|_| rounds >= FEWEST_ROUNDS);
     let cells = [
         scene.clone(),
         grouped(pixels),
         grouped(samples),
         grouped(mismatched_pixels),
-        speedup.map_or("–".into(), ratio),
+        result.speedup.map_or("–".into(), ratio),
         format!("{:.2e}", reference.rmse),
         format!("{:.2e}", reference.max_abs),
         grouped(reference.mismatched_hits),
     ];
     let mut row = text::row(&WIDTHS, cells);
-    if speedup.is_none() {
-        row += &format!(
-            "  speed-up: {} timed; give --samples {FEWEST_ROUNDS} or more\n",
-            counted(rounds, "sample was", "samples were")
-        );
-    }
     if result.discarded_samples > 0 {
         let discarded = counted(result.discarded_samples, "sample was", "samples were");
         row += &format!("  {discarded} not finite and left out\n");

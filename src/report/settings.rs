@@ -1,7 +1,7 @@
 //! How a run's figures are made: the settings, the machine and the build. A part of every JSON report, and a
 //! line of text.
 //!
-//! For: [`RunSettings`], [`traversals`], [`own_size`], [`own_sizes`].
+//! For: [`RunSettings`], [`differences`], [`traversals`], [`own_size`], [`own_sizes`].
 
 use super::text::paragraph;
 use crate::buffers::LightChoice;
@@ -101,17 +101,13 @@ impl RunSettings {
 
     /// The options that make these settings of the others, as on the command line; empty where none differs.
     pub fn options(&self, others: &Self) -> String {
-        let others = json(others);
-        let differ = |(key, value): (&String, &Value)| {
-            let differs = key != "machine" && others.get(key) != Some(value);
-            differs.then(|| match value {
-                Value::Bool(true) => format!("--{key}"),
-                value => format!("--{key} {}", word(value, if key == "size" { "x" } else { "," })),
-            })
+        let given =
+            differences(&json(self), &json(others)).into_iter().filter(|(_, [own, _])| !own.is_null());
+        let option = |(key, [own, _]): (String, [Value; 2])| match own {
+            Value::Bool(true) => format!("--{key}"),
+            own => format!("--{key} {}", word(&own, &key)),
         };
-        let own = json(self);
-        let options: Vec<String> = own.as_object().into_iter().flatten().filter_map(differ).collect();
-        options.join(" ")
+        given.map(option).collect::<Vec<_>>().join(" ")
     }
 
     /// A line of the options that differ from the command's `defaults`.
@@ -123,16 +119,51 @@ impl RunSettings {
     }
 }
 
+/// What two runs do not share: by name, what it is here and there; null where it is not given.
+pub type Differences = BTreeMap<String, [Value; 2]>;
+
+/// The differences of two reports' settings; those of an object within them stand for themselves, but for the
+/// names of instruction sets, which are many.
+pub fn differences(here: &Value, there: &Value) -> Differences {
+    let mut found = Differences::new();
+    for key in [here, there].into_iter().filter_map(Value::as_object).flat_map(Map::keys) {
+        let [here, there] = [&here[key], &there[key]];
+        if here.is_object() && there.is_object() {
+            found.extend(differences(here, there));
+        } else if here != there && key != "target_features" {
+            found.insert(key.clone(), [here, there].map(Value::clone));
+        }
+    }
+    found
+}
+
+/// The differences in a sentence.
+pub fn in_words(differences: &Differences) -> String {
+    let clause = |(name, values): (&String, &[Value; 2])| {
+        let [here, there] = values.each_ref().map(|value| word(value, name));
+        format!("{name} {here}, there {there}")
+    };
+    match differences.iter().map(clause).collect::<Vec<_>>().join("; ") {
+        none if none.is_empty() => "The settings are the same.".into(),
+        some => format!("Differences: {some}."),
+    }
+}
+
 /// Through text: an f32 in a `Value` would have the digits of an f64.
 pub fn json(value: &impl Serialize) -> Value {
     let text = serde_json::to_string(value).expect("settings are JSON");
     serde_json::from_str(&text).expect("it was just written")
 }
 
-fn word(value: &Value, between: &str) -> String {
+/// The value of a setting of this name.
+fn word(value: &Value, name: &str) -> String {
     match value {
         Value::String(text) => text.clone(),
-        Value::Array(list) => list.iter().map(Value::to_string).collect::<Vec<_>>().join(between),
+        Value::Array(list) => {
+            let between = if name == "size" { "x" } else { "," };
+            list.iter().map(Value::to_string).collect::<Vec<_>>().join(between)
+        }
+        Value::Null => "none".into(),
         other => other.to_string(),
     }
 }

@@ -103,6 +103,10 @@ fn bench_measures_the_width_and_threads_asked_for() {
         assert_eq!(results[0]["threads"].to_string(), threads);
         assert_eq!(results[0]["pipeline"], "auto");
     }
+    let report = desk.json("bench scene.json --frames 2 --size 8x8 --lanes 8,1,8 --threads 1");
+    let lanes: Vec<&Value> = list(&report["results"]).iter().map(|result| &result["lanes"]).collect();
+    assert_eq!(json!(lanes), json!([8, 1]));
+    assert!(report["results"][0]["speedup"].is_object(), "{report}");
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! What a run says of itself: options, methods and traversal, size and bounces; and how two runs of `bench`
 //! are compared.
 
-use crate::desk::{Desk, SCENE, number};
+use crate::desk::{Desk, SCENE, list, number};
+use octray::lane::{NATIVE_WIDTH, WIDTHS};
 use serde_json::{Value, json};
 
 #[test]
@@ -103,51 +104,97 @@ fn a_views_traversal_gives_way_to_a_method_and_one_on_the_command_line_does_not(
 }
 
 #[test]
-fn baseline_gives_ratios_and_refuses_what_cannot_be_compared() {
+fn baseline_gives_ratios_of_what_both_have_and_lists_what_differs() {
     let desk = Desk::new();
     let line = "bench scene.json --frames 3 --size 16x16";
     let mut old = desk.json(line);
-    for result in old["results"].as_array_mut().unwrap() {
-        for key in ["/fps_median", "/fps_spread/0", "/fps_spread/1"] {
-            let value = result.pointer_mut(key).unwrap();
-            *value = json!(1e-3 * number(value));
-        }
-    }
     old["settings"]["machine"]["cpu"] = json!("another");
     desk.write("old.json", old.to_string());
     let with = format!("{line} --baseline old.json");
     let new = desk.json(&with);
-    let (ratios, results) = (new["over_baseline"].as_array().unwrap(), new["results"].as_array().unwrap());
-    assert_eq!(ratios.len(), results.len());
-    for (ratio, result) in ratios.iter().zip(results) {
-        assert_eq!((&ratio["lanes"], &ratio["threads"]), (&result["lanes"], &result["threads"]));
-        let [median, low, high] = [&ratio["median"], &ratio["spread"][0], &ratio["spread"][1]].map(number);
-        assert!(50.0 < median && low <= median && median <= high, "a thousand times the speed: {ratio}");
+    let (ratios, news) = (list(&new["over_baseline"]), list(&new["results"]));
+    assert_eq!(ratios.len(), news.len());
+    for ((ratio, new), old) in ratios.iter().zip(news).zip(list(&old["results"])) {
+        assert_eq!(json!([ratio["lanes"], ratio["threads"]]), json!([new["lanes"], new["threads"]]));
+        assert_eq!(ratio["there"], json!([old["lanes"], old["threads"]]));
+        let expected = number(&new["fps_median"]) / number(&old["fps_median"]);
+        assert!((number(&ratio["median"]) / expected - 1.0).abs() < 1e-9, "{ratio}");
+        assert_eq!(ratio["reliable"], false, "of three frames");
     }
-    assert!(desk.warnings(&with).contains("another machine"));
-    let shown = desk.run(&with).replace('\n', " ");
-    for words in ["New over old", "scalar, 1 thread", "The ratios are not reliable: see"] {
-        assert!(shown.contains(words), "{words} is not in {shown}");
-    }
-    // Engines are paired, and another number of frames is the same rate.
-    let one = desk.json("bench scene.json --frames 2 --size 16x16 --lanes 1 --threads 1 --baseline old.json");
-    assert_eq!(one["over_baseline"].as_array().unwrap().len(), 1);
-    let lines = "bench scene.json builtin:three --frames 1 --size 16x16 --threads 1";
-    desk.write("two.json", desk.json(lines).to_string());
-    let said = desk.warnings(&format!("{line} --lanes 1 --threads 1 --baseline two.json"));
-    let lacking = said.lines().find(|line| line.contains("only the baseline has builtin:three; "));
-    assert!(lacking.unwrap().ends_with("8 lanes, 1 thread."), "{said}");
+    assert_eq!(new["baseline_differences"], json!({ "cpu": [new["settings"]["machine"]["cpu"], "another"] }));
+    let shown = desk.run(&with);
+    assert!(
+        ["New over old", "scalar, 1 thread", ", there another."].iter().all(|words| shown.contains(words)),
+        "{shown}"
+    );
 
-    let refused = |more: &str, words: &[&str]| desk.refuses(&format!("{with} {more}"), words);
-    refused("--seed 7", &["old.json", "other settings: --seed 0, here --seed 7"]);
-    refused("--sphere naive", &["--sphere robust, here --sphere naive"]);
-    refused("builtin:three", &["not measured `builtin:three`", "scene.json"]);
-    refused("--threads 5", &["none of the widths and threads"]);
+    // Another scene of this name, other settings, an engine that the baseline has not.
     desk.write("scene.json", SCENE.replace("\"radius\": 1", "\"radius\": 2"));
-    refused("", &["`scene.json` has changed since (spheres)"]);
+    let new = desk.json(&format!("{with} --seed 7 --sphere naive --lanes 1 --threads 3"));
+    let differences = &new["baseline_differences"];
+    assert_eq!(json!([differences["seed"], differences["sphere"]]), json!([[7, 0], ["naive", "robust"]]));
+    assert!(
+        differences["spheres of scene.json"].is_array() && differences["lanes"][0] == json!([1]),
+        "{new}"
+    );
+    let [first] = list(&new["over_baseline"]) else { panic!("{new}") };
+    assert_eq!(json!([first["lanes"], first["there"]]), json!([1, [NATIVE_WIDTH, 1]]), "first to first");
+    let none = desk.run("bench builtin:three --frames 1 --size 8x8 --baseline old.json").replace('\n', " ");
+    assert!(none.contains("The baseline has none of these scenes"), "{none}");
+
     desk.write("old.json", "{}");
-    refused("", &["no report of bench", "octray bench --json"]);
+    desk.refuses(&with, &["no report of bench", "octray bench --json"]);
     desk.refuses(&format!("{line} --baseline gone.json"), &["gone.json", "cannot be read"]);
+}
+
+#[test]
+fn against_times_two_configurations_in_alternation() {
+    let desk = Desk::new();
+    let line = "bench scene.json --frames 9 --size 16x16 --threads 1";
+    let against = desk.json(&format!("{line} --against=--size=160x160"))["against"].take();
+    let ratios = list(&against["ratios"]);
+    assert_eq!([ratios.len(), list(&against["results"]).len()], [WIDTHS.len(); 2]);
+    let is_right = |ratio: &Value| number(&ratio["median"]) > 3.0 && number(&ratio["rounds"]) >= 5.0;
+    assert!(ratios.iter().all(is_right), "of a hundred times the pixels: {against}");
+    assert_eq!(against["differences"], json!({ "size": [[16, 16], [160, 160]] }));
+    assert_eq!(against["accuracy"][0]["mismatched_pixels"], 0);
+    let said = desk.run(&format!("{line} --against=--lanes=1")).replace('\n', " ");
+    let engines = format!(" {NATIVE_WIDTH} lanes, 1 thread over scalar, 1 thread ");
+    let differ = "Here over --lanes=1, frames per second in alternating rounds";
+    assert!(said.contains(&engines) && said.contains(differ) && said.contains(", there 1."), "{said}");
+    for (wrong, word) in [("--traversal=singl", "'single'"), ("--json", "'--json'"), ("three", "'three'")] {
+        desk.refuses(&format!("{line} --against={wrong}"), &[&format!("--against \"{wrong}\": "), word]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn against_program_runs_another_program_in_alternation() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = Desk::new();
+    let line = "bench scene.json --size 8x8 --threads 1";
+    let mut old = desk.json(&format!("{line} --frames 2"));
+    for result in old["results"].as_array_mut().unwrap() {
+        result["fps_median"] = json!(1e-3 * number(&result["fps_median"]));
+    }
+    old["settings"]["machine"]["commit"] = json!("older");
+    desk.write("old.json", old.to_string());
+    let rival = |script: &str| {
+        desk.write("rival", format!("#!/bin/sh\n{script}\n"));
+        std::fs::set_permissions(desk.path("rival"), PermissionsExt::from_mode(0o755)).unwrap();
+        format!("{line} --frames 2 --against-program rival")
+    };
+    let asked = format!("case \"$*\" in '{line} --frames '?' --json') cat old.json;; *) exit 9;; esac");
+    let against = desk.json(&rival(&asked))["against"].take();
+    assert_eq!(list(&against["ratios"]).len(), WIDTHS.len());
+    for ratio in list(&against["ratios"]) {
+        assert!(number(&ratio["median"]) > 30.0 && ratio["rounds"] == 5, "a thousand times as fast: {ratio}");
+    }
+    assert_eq!(against["differences"]["commit"][1], "older");
+    for (script, word) in [("echo no >&2; exit 3", "exit status: 3: no"), ("echo {}", "no report of bench")] {
+        desk.refuses(&rival(script), &["--against-program rival: ", word]);
+    }
+    desk.refuses(&format!("{line} --against-program gone"), &["--against-program gone", "cannot be run"]);
 }
 
 #[test]

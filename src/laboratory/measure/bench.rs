@@ -22,13 +22,7 @@ pub struct Engine {
 }
 
 /// Settings, which hold for all but lanes and threads, and the engines that are timed with them.
-#[derive(Clone, Debug)]
-pub struct Configuration {
-    /// Of the frames.
-    pub settings: Settings,
-    /// The first one is compared with others.
-    pub engines: Vec<Engine>,
-}
+pub type Configuration = (Settings, Vec<Engine>);
 
 /// How long to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,39 +102,33 @@ const FEWEST_TURNS: usize = 5;
 /// Time in which the slowest engine renders frames for [`FrameStats`].
 const STATS_TIME: Duration = Duration::from_millis(250);
 const MOST_STATS_FRAMES: f64 = 1_000.0;
-/// In place of the number of a configuration: the first one's first engine with the general pipeline.
-const GENERAL: usize = usize::MAX;
 /// Measuring with few frames ends after this many times the measuring time.
 const PATIENCE: u32 = 10;
 
-/// Times the engines of one or two configurations on a scene, after a warm-up, in rounds of which every other
-/// is in reverse order: A B B A. An engine of the first configuration is followed by that of the second at
-/// the same place. With `stats`, each engine then renders further frames that are not timed. Returns the
-/// measurements by configuration.
+/// Times the engines of one or two configurations on a scene, after a warm-up, in rounds of which every
+/// other is in reverse order: A B B A. Returns the measurements by configuration; an engine of the first has
+/// a ratio to that of the second at the same place. With `stats`, each engine then renders further frames
+/// that are not timed.
 pub fn bench(
     scene: &Scene,
     configurations: &[Configuration],
     effort: Effort,
     stats: bool,
 ) -> Vec<Vec<Measurement>> {
-    let of = |settings: Settings, Engine { lanes, threads }: Engine, pipeline| {
-        TimedRenderer::new(Renderer::new(scene, Settings { lanes, threads, pipeline, ..settings }))
+    let timed = |settings: Settings, engines: &[Engine]| -> Vec<TimedRenderer> {
+        let of = |&Engine { lanes, threads }: &Engine| Settings { lanes, threads, ..settings };
+        engines.iter().map(|engine| TimedRenderer::new(Renderer::new(scene, of(engine)))).collect()
     };
-    let places = configurations.iter().map(|one| one.engines.len()).max().unwrap_or(0);
-    // With the number of the configuration.
-    let mut runs = Vec::new();
-    for place in 0..places {
-        for (number, Configuration { settings, engines }) in configurations.iter().enumerate() {
-            let engine = engines.get(place);
-            runs.extend(engine.map(|&engine| (number, of(*settings, engine, settings.pipeline))));
-        }
-    }
+    let mut runs: Vec<_> =
+        configurations.iter().map(|(settings, engines)| timed(*settings, engines)).collect();
     // The first engine once more with the general pipeline, if the scene's own is another.
-    let is_special = runs.first().is_some_and(|(_, first)| first.renderer.features() != Features::ALL);
-    if let Some(Configuration { settings, engines }) = configurations.first().filter(|_| is_special) {
-        runs.push((GENERAL, of(*settings, engines[0], PipelineChoice::General)));
+    if runs[0].first().is_some_and(|first| first.renderer.features() != Features::ALL) {
+        let (settings, engines) = &configurations[0];
+        runs.push(timed(Settings { pipeline: PipelineChoice::General, ..*settings }, &engines[..1]));
     }
-    let mut order: Vec<usize> = (0..runs.len()).collect();
+    let places = |number: usize| (0..runs[number].len()).map(move |place| (place, number));
+    let mut order: Vec<(usize, usize)> = (0..runs.len()).flat_map(places).collect();
+    order.sort_unstable();
     let start = Instant::now();
     let enough = |times: &Times| match effort {
         Effort::Frames(frames) => times.seconds.len() >= frames as usize,
@@ -150,9 +138,9 @@ pub fn bench(
                 || (frames >= FEWEST_SLOW_FRAMES && passed >= time * PATIENCE)
         }
     };
-    while !runs.iter().all(|(_, run)| enough(&run.times)) {
-        for &at in &order {
-            let run = &mut runs[at].1;
+    while !runs.iter().flatten().all(|run| enough(&run.times)) {
+        for &(place, number) in &order {
+            let run = &mut runs[number][place];
             let left = match effort {
                 Effort::Frames(frames) => {
                     let (frames, done) = (frames as usize, run.times.seconds.len());
@@ -166,15 +154,15 @@ pub fn bench(
     }
     // The same frames for all engines, so that they trace the same rays.
     let median = |run: &TimedRenderer| Quantiles::of(run.times.seconds.clone()).median();
-    let slowest = runs.iter().map(|(_, run)| median(run)).fold(0.0, f64::max);
+    let slowest = runs.iter().flatten().map(median).fold(0.0, f64::max);
     let frames = (STATS_TIME.as_secs_f64() / slowest).clamp(1.0, MOST_STATS_FRAMES) as u32;
-    let of_number = |number| runs.iter().filter(move |run| run.0 == number).map(|(_, run)| run);
-    let times = |number| of_number(number).map(|run| &run.times).collect::<Vec<_>>();
-    let measured = |(number, Configuration { engines, .. }): (usize, &Configuration)| {
-        let general = times(GENERAL).first().copied().filter(|_| number == 0);
-        let ratios = ratios(engines, &times(number), general, &times(number + 1));
+    let times =
+        |number: usize| runs.iter().skip(number).take(1).flatten().map(|run| &run.times).collect::<Vec<_>>();
+    let measured = |(number, (_, engines)): (usize, &Configuration)| {
+        let general = times(configurations.len()).first().copied().filter(|_| number == 0);
+        let second = if configurations.len() > number + 1 { times(number + 1) } else { Vec::new() };
         let of_run = |(run, ratios)| measurement(scene, run, ratios, stats.then(|| frame_stats(run, frames)));
-        of_number(number).zip(ratios).map(of_run).collect()
+        runs[number].iter().zip(ratios(engines, &times(number), general, &second)).map(of_run).collect()
     };
     configurations.iter().enumerate().map(measured).collect()
 }
@@ -192,28 +180,22 @@ fn frame_stats(TimedRenderer { renderer, .. }: &TimedRenderer, frames: u32) -> F
     FrameStats::of(&renderer.take_stats(), lanes, threads, film.samples())
 }
 
-/// What an engine's speed is divided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Ratios {
-    speedup: Option<Ratio>,
-    scaling: Option<Ratio>,
-    specialisation: Option<Ratio>,
-    over_second: Option<Ratio>,
-}
+/// Speed-up, scaling, specialisation, and the ratio to the second configuration.
+type Ratios = [Option<Ratio>; 4];
 
 /// The ratios of the engines of a configuration, each with its times. `general` are those of the first engine
 /// with the general pipeline, `second` those of the second configuration by place.
 fn ratios(engines: &[Engine], times: &[&Times], general: Option<&Times>, second: &[&Times]) -> Vec<Ratios> {
     let ratios = |(place, &Engine { lanes, threads }): (usize, &Engine)| {
-        let over = |wanted: &dyn Fn(&Engine) -> bool| {
-            engines.iter().position(wanted).and_then(|other| Ratio::of(times[place], times[other]))
-        };
-        Ratios {
-            speedup: over(&|other| lanes != 1 && (other.lanes, other.threads) == (1, threads)),
-            scaling: over(&|other| other.lanes == lanes && other.threads < threads),
-            specialisation: general.filter(|_| place == 0).and_then(|general| Ratio::of(times[0], general)),
-            over_second: second.get(place).and_then(|second| Ratio::of(times[place], second)),
-        }
+        let over =
+            |wanted: &dyn Fn(&Engine) -> bool| engines.iter().position(wanted).map(|other| times[other]);
+        [
+            over(&|other| lanes != 1 && (other.lanes, other.threads) == (1, threads)),
+            over(&|other| other.lanes == lanes && other.threads < threads),
+            general.filter(|_| place == 0),
+            second.get(place).copied(),
+        ]
+        .map(|other| Ratio::of(times[place], other?))
     };
     engines.iter().enumerate().map(ratios).collect()
 }
@@ -221,7 +203,7 @@ fn ratios(engines: &[Engine], times: &[&Times], general: Option<&Times>, second:
 fn measurement(
     scene: &Scene,
     TimedRenderer { renderer, film, times }: &TimedRenderer,
-    Ratios { speedup, scaling, specialisation, over_second }: Ratios,
+    [speedup, scaling, specialisation, over_second]: Ratios,
     stats: Option<FrameStats>,
 ) -> Measurement {
     let reliability = times.reliability(FEWEST_FRAMES);
@@ -266,7 +248,7 @@ mod tests {
         let mut timed = TimedRenderer::new(Renderer::new(&scene, settings));
         timed.turn(1, TURN);
         timed.times = Times::known(&(1..=100).map(f64::from).collect::<Vec<_>>());
-        let found = measurement(&scene, &timed, Ratios::default(), None);
+        let found = measurement(&scene, &timed, [None; 4], None);
         assert_eq!((found.frames, found.engine), (100, "simd"));
         assert_eq!((found.fps_median, found.fps_low_1_percent), (1.0 / 50.5, 1.0 / 99.0));
         assert_eq!(found.fps_spread, [1.0 / 90.0, 1.0 / 10.0]);
@@ -279,9 +261,7 @@ mod tests {
         let times = [1.0, 2.0, 10.0, 0.5].map(|seconds| Times::known(&[seconds; 3]));
         let [general, second] = [1.25, 4.0].map(|seconds| Times::known(&[seconds; 3]));
         let found = ratios(&engines, &times.each_ref(), Some(&general), &[&second]);
-        let medians = found.iter().map(|Ratios { speedup, scaling, specialisation, over_second }| {
-            [speedup, scaling, specialisation, over_second].map(|ratio| ratio.map(|ratio| ratio.median))
-        });
+        let medians = found.iter().map(|ratios| ratios.map(|ratio| ratio.map(|ratio| ratio.median)));
         let first = [Some(10.0), None, Some(1.25), Some(4.0)];
         let others = [[Some(5.0), None, None, None], [None; 4], [None, Some(2.0), None, None]];
         assert_eq!(medians.collect::<Vec<_>>(), [&[first][..], &others].concat());

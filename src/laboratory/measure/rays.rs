@@ -170,8 +170,8 @@ impl Run<'_> {
             pool.trace(self.method, structures, set, answers, set.kind.any_hit());
             start.elapsed().as_secs_f64()
         };
-        let (seconds, load) = pool.run(|| on_own_cores(pool.threads(), trace));
-        self.times.push(&[seconds], load);
+        let (seconds, turn) = pool.run(|| on_own_cores(pool.threads(), trace));
+        self.times.push(&[seconds], turn);
         self.hits = answers.count();
         let disagreement = |ray| {
             let [expected, found] = [nearest, answers].map(|answers| answers.get(ray));

@@ -4,7 +4,7 @@
 //!
 //! A *round* gives every renderer one *turn*; a turn is some frames of one renderer.
 
-use super::cores::{Load, Reliability, on_own_cores};
+use super::cores::{Reliability, on_own_cores};
 use super::quantiles::Quantiles;
 use crate::film::Film;
 use crate::render::Renderer;
@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 const WARM_UP: u32 = 5;
 const WARM_UP_TIME: Duration = Duration::from_millis(200);
 /// Fewest rounds behind a ratio that is relied on.
-pub const FEWEST_ROUNDS: usize = 3;
+const FEWEST_ROUNDS: usize = 3;
 
 /// What was recorded of something that is timed in turns.
 #[derive(Clone, Debug, Default)]
@@ -25,30 +25,30 @@ pub(crate) struct Times {
     pub seconds: Vec<f64>,
     /// Median frame time of each turn, in seconds.
     turns: Vec<f64>,
-    /// How each turn went.
-    loads: Vec<Load>,
+    /// Of each turn.
+    reliability: Vec<Reliability>,
 }
 
 impl Times {
     /// Adds a turn: its frames' times, unless there are none.
-    pub fn push(&mut self, seconds: &[f64], load: Load) {
+    pub fn push(&mut self, seconds: &[f64], reliability: Reliability) {
         if !seconds.is_empty() {
             self.seconds.extend(seconds);
             self.turns.push(Quantiles::of(seconds.to_vec()).median());
-            self.loads.push(load);
+            self.reliability.push(reliability);
         }
     }
     /// Turns of one frame each, on an idle machine.
     #[cfg(test)]
     pub fn known(seconds: &[f64]) -> Self {
         let mut times = Self::default();
-        let load = Load { processor: None, taken: Some(0.0), pinned: true };
-        seconds.iter().for_each(|&seconds| times.push(&[seconds], load));
+        let idle = Reliability { reliable: true, pinned: true, taken: Some(0.0) };
+        seconds.iter().for_each(|&seconds| times.push(&[seconds], idle));
         times
     }
     /// The reliability of figures that need this number of frames.
     pub fn reliability(&self, fewest: usize) -> Reliability {
-        Reliability::of(&self.loads, self.seconds.len() >= fewest)
+        Reliability::of(&self.reliability, self.seconds.len() >= fewest)
     }
 }
 
@@ -94,8 +94,8 @@ impl TimedRenderer {
             }
             seconds
         };
-        let (seconds, load) = renderer.on_threads(|| on_own_cores(renderer.settings().threads, run));
-        times.push(&seconds, load);
+        let (seconds, turn) = renderer.on_threads(|| on_own_cores(renderer.settings().threads, run));
+        times.push(&seconds, turn);
     }
 }
 
@@ -117,12 +117,17 @@ pub struct Ratio {
 impl Ratio {
     /// The speed of `fast` over that of `slow`; `None` before their first common round.
     pub(crate) fn of(fast: &Times, slow: &Times) -> Option<Self> {
-        let ratios: Vec<f64> = fast.turns.iter().zip(&slow.turns).map(|(fast, slow)| slow / fast).collect();
+        let worse = fast.reliability.iter().zip(&slow.reliability).map(|(fast, slow)| fast.worse(slow));
+        Self::of_rounds(&fast.turns, &slow.turns, &worse.collect::<Vec<_>>())
+    }
+
+    /// The ratio of two lists of times, a time a round, with the reliability of the rounds.
+    pub fn of_rounds(fast: &[f64], slow: &[f64], rounds: &[Reliability]) -> Option<Self> {
+        let ratios: Vec<f64> = fast.iter().zip(slow).map(|(fast, slow)| slow / fast).collect();
         (!ratios.is_empty()).then(|| {
-            let (rounds, ratios) = (ratios.len(), Quantiles::of(ratios));
-            let [fast, slow] =
-                [fast, slow].map(|times| Reliability::of(&times.loads, rounds >= FEWEST_ROUNDS));
-            Self { median: ratios.median(), spread: ratios.spread(), rounds, reliability: fast.and(slow) }
+            let (count, ratios) = (ratios.len(), Quantiles::of(ratios));
+            let reliability = Reliability::of(rounds, count >= FEWEST_ROUNDS);
+            Self { median: ratios.median(), spread: ratios.spread(), rounds: count, reliability }
         })
     }
 }
@@ -145,7 +150,7 @@ mod tests {
         let is_reliable = |fast: &Times, slow: &Times| Ratio::of(fast, slow).unwrap().reliability.reliable;
         assert!(!is_reliable(&Times::known(&[1.0, 1.0]), &slow), "of two rounds");
         // Others took a tenth of the time in most turns of one of the two.
-        slow.loads[..4].iter_mut().for_each(|load| load.taken = Some(0.1));
+        slow.reliability[..4].iter_mut().for_each(|turn| turn.taken = Some(0.1));
         assert!(!is_reliable(&fast, &slow));
     }
 

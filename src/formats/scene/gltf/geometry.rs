@@ -80,8 +80,8 @@ impl Geometry {
     }
 }
 
-/// The numbers of a primitive; `None`, with a note, where it is not made of triangles. Texture coordinates are
-/// those of this `set`, if any.
+/// Returns the numbers of a primitive; `None`, with a note, where it is not made of triangles. Texture
+/// coordinates are those of this `set`, if any.
 pub fn read(
     accessors: &mut Accessors,
     primitive: &Primitive,

@@ -5,8 +5,8 @@
 //! may be hostile: no number in it is used as an index or a size before it is checked, nodes are visited
 //! once, and [`MAX_COPIES`] bounds what copies add up to.
 //!
-//! What nobody reads is no fault: lists hold their entries as far as these are as the standard has them, and a
-//! fault is told where an entry is used.
+//! What nobody reads is no fault: lists hold their entries as far as these are as the standard has them, and
+//! a fault is told where an entry is used.
 
 mod accessor;
 mod bytes;

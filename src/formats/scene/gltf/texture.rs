@@ -45,8 +45,8 @@ impl Reference {
 /// The least, the mean and the largest value of a channel.
 pub type Range = [f64; 3];
 
-/// Returns the ranges of a texture's channels, read as data; `None`, with a note, where it cannot be used. The
-/// scene does not keep it.
+/// Returns the ranges of a texture's channels, read as data; `None`, with a note, where it cannot be used.
+/// The scene does not keep it.
 pub fn ranges(
     document: &Document,
     texture: usize,

@@ -291,20 +291,23 @@ same_at_every_width! {
         let d = d.flip_sign(-L::zero().lt(d.dot(n)).bitmask_sign::<L>());
         let (u, v) = (random::uniform::<L>(o.i, 0), random::uniform::<L>(o.j, 1));
         let (alpha, ior) = (L::from_int(o.k.wrapping_add(L::Bits::splat(1))) * L::splat(0.125), L::splat(1.5));
+        let horizon = bsdf::Horizon { bent: o.mask, normal: n, ng: n };
+        let normals = &bsdf::LobeNormals::bent(d, Vec3::new(o.y, o.z, o.x).normalize(), horizon);
+        let n = normals.specular;
         let mut values = Vec::new();
         for drawn in [
-            bsdf::diffuse::sample(n, u, v),
+            bsdf::diffuse::sample(normals, u, v),
             bsdf::mirror::sample(d, n),
-            bsdf::fuzzy_mirror::sample(d, n, alpha, u, v),
+            normals.raise_sample(bsdf::fuzzy_mirror::sample(d, n, alpha, u, v), |wi| wi.dot(n)),
             bsdf::ggx::sample(d, n, alpha, u, v),
-            bsdf::glass::sample(d, n, o.mask, ior, u),
+            bsdf::glass::sample(d, normals, o.mask, ior, u),
         ] {
             values.extend(vector(drawn.wi));
             values.extend([Float(drawn.weight), Float(drawn.pdf), Truth(drawn.alive)]);
         }
         let towards = Vec3::new(o.z, o.x, -o.y).normalize();
         for lobe in [
-            bsdf::diffuse::evaluate(n, towards),
+            bsdf::diffuse::evaluate(normals, towards),
             bsdf::fuzzy_mirror::evaluate(d, n, alpha, towards),
             bsdf::ggx::evaluate(d, n, alpha, towards),
         ] {
@@ -314,10 +317,10 @@ same_at_every_width! {
         values.extend(vector(bsdf::albedo::compensated(color, d, n, alpha)));
         let plastic = bsdf::plastic::Plastic { color, alpha, ior, transmitted: L::splat(0.9) };
         let view = plastic.view(d, n);
-        let (drawn, weight) = plastic.sample(&view, d, n, v, (u, v));
+        let (drawn, weight) = plastic.sample(&view, d, normals, v, (u, v));
         values.extend(vector(drawn.wi).into_iter().chain(vector(weight)));
         values.extend([Float(drawn.pdf), Truth(drawn.alive)]);
-        let lobe = plastic.evaluate(&view, d, n, towards);
+        let lobe = plastic.evaluate(&view, d, normals, towards);
         values.extend(vector(lobe.value));
         values.push(Float(lobe.pdf));
         values

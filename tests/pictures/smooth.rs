@@ -3,14 +3,14 @@
 use crate::common::*;
 use octray::kernel::normals;
 
-const KINDS: [(MaterialKind, f64); 7] = [
-    (Diffuse, 0.0),
-    (Metal { roughness: 0.0 }, 0.0),
-    (Metal { roughness: 0.3 }, 0.0),
-    (Plastic { roughness: 0.0, ior: 1.5 }, 0.0),
-    (Plastic { roughness: 0.5, ior: 1.5 }, 0.0),
-    (MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 }, 0.09),
-    (Glass { ior: 1.5 }, 0.002),
+const KINDS: [MaterialKind; 7] = [
+    Diffuse,
+    Metal { roughness: 0.0 },
+    Metal { roughness: 0.3 },
+    Plastic { roughness: 0.0, ior: 1.5 },
+    Plastic { roughness: 0.5, ior: 1.5 },
+    MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 },
+    Glass { ior: 1.5 },
 ];
 
 fn furnace(kind: MaterialKind) -> Scene {
@@ -36,20 +36,100 @@ fn covered(scene: &Scene, pixels: &[[f32; 3]]) -> f64 {
 }
 
 #[test]
-fn white_furnace_of_a_smooth_ball_loses_what_is_stated() {
-    for (kind, most) in KINDS {
+fn white_furnace_of_a_smooth_ball_loses_nothing() {
+    for kind in KINDS {
         let [smooth, flat] = [furnace(kind), Scene { normals: Vec::new(), ..furnace(kind) }];
-        let [smooth, flat] = [smooth, flat].map(|scene| covered(&scene, &picture(&scene, 200)));
+        let [smooth, flat] = [smooth, flat].map(|scene| covered(&scene, &picture(&scene, 64)));
         // What flat triangles lose belongs to the lobe.
         assert!(smooth <= 1.003, "{kind:?} makes light: {smooth}");
-        assert!(flat - smooth <= most + 2e-3, "{kind:?} loses {:.4}", flat - smooth);
+        let most = if matches!(kind, Glass { .. }) { 1e-4 } else { 2e-3 };
+        assert!(flat - smooth <= most, "{kind:?} loses {:.5}", flat - smooth);
+    }
+}
+
+/// White, with a normal that a map tilts by so many degrees towards x, seen at so many degrees from that side,
+/// from above or from below.
+fn tilted(kind: MaterialKind, [tilt, view]: [f32; 2], side: f32) -> Scene {
+    let from = |degrees: f32| vec3(degrees.to_radians().sin(), degrees.to_radians().cos() * side, 0.0);
+    let texel = from(tilt) * 0.5 + 0.5;
+    let map = Texels::Float32(vec![[texel.x, 0.5, 0.5 + 0.5 * from(tilt).y.abs(), 0.0]]);
+    Scene {
+        camera: camera(from(view) * 5.0 + vec3(0.0, 0.0, 1e-3), Vec3::ZERO, 2.0),
+        resolution: [8, 8],
+        materials: vec![Material { normal_map: Some(0), ..material(kind) }],
+        textures: vec![Texture {
+            name: "tilt".into(),
+            width: 1,
+            height: 1,
+            filter: Filter::Nearest,
+            texels: map,
+        }],
+        triangles: vec![triangle(ground(5.0, 0.0), 0)],
+        uvs: vec![ground(5.0, 0.0).map(|corner| vec2(corner.x, corner.z))],
+        max_bounces: 1,
+        ..empty()
+    }
+}
+
+const VIEWS: [f32; 6] = [0.0, 20.0, -20.0, 60.0, -60.0, -80.0];
+
+fn brightness(scene: &Scene) -> f64 {
+    mean(&crate::common::render(scene, Settings { seed: 3, ..Settings::of(scene) }, 64))
+}
+
+#[test]
+fn white_furnace_of_tilted_normals_keeps_what_every_lobe_must() {
+    let metals = [0.0, 0.001, 0.02, 0.2, 0.5, 1.0].map(|roughness| Metal { roughness });
+    let rough = [0.05, 0.5].map(|roughness| MetalRough { roughness, metallic: 1.0, ior: 1.5 });
+    let coats = [0.0, 0.3, 0.8].map(|roughness| Plastic { roughness, ior: 1.0001 });
+    for [tilt, view] in [5.0, 15.0, 30.0, 60.0].into_iter().flat_map(|tilt| VIEWS.map(|view| [tilt, view])) {
+        for side in [1.0, -1.0] {
+            for kind in metals.into_iter().chain(rough) {
+                let kept = brightness(&tilted(kind, [tilt, view], side));
+                assert!((0.975..1.006).contains(&kept), "{kind:?}, {tilt}° from {view}°, {side}: {kept}");
+            }
+            let closed = f64::midpoint(1.0, f64::from(tilt.to_radians().cos()));
+            for kind in coats.into_iter().chain([Diffuse]) {
+                let kept = brightness(&tilted(kind, [tilt, view], side));
+                assert!((kept / closed - 1.0).abs() < 0.02, "{kind:?}, {tilt}° from {view}°, {side}: {kept}");
+            }
+        }
+    }
+}
+
+/// A lamp at 30° lights a base tilted by 60°, from every view and under every coat, as Lambert's law says.
+#[test]
+fn base_is_that_of_diffuse_materials_from_every_view() {
+    let coats = [0.0, 0.5].map(|roughness| Plastic { roughness, ior: 1.0001 });
+    for kind in coats.into_iter().chain([Diffuse, MetalRough { roughness: 0.7, metallic: 0.0, ior: 1.0 }]) {
+        for view in VIEWS {
+            let mut scene = Scene { sky: Sky::Color(Vec3::ZERO), ..tilted(kind, [60.0, view], 1.0) };
+            scene.materials.push(lamp(3000.0));
+            scene.spheres.push(sphere(60.0 * vec3(0.5, 0.75_f32.sqrt(), 0.0), 1.0, 1));
+            let found = brightness(&scene);
+            // Of metal-rough the share that grazing light has of it, by Schlick.
+            let most = if matches!(kind, MetalRough { .. }) { 0.08 } else { 0.01 };
+            let lambert = 3000.0 / 3600.0 * 0.75_f64.sqrt();
+            assert!((found / lambert - 1.0).abs() < most, "{kind:?} from {view}°: {found}, {lambert}");
+        }
+    }
+}
+
+/// Between a mirror and the lobes just not narrow enough to be one nothing changes.
+#[test]
+fn reflections_in_tilted_normals_are_continuous_as_roughness_vanishes() {
+    let sky = Sky::Gradient { bottom: Vec3::ZERO, top: Vec3::ONE };
+    for [tilt, view] in [15.0, 30.0, 60.0].into_iter().flat_map(|tilt| VIEWS.map(|view| [tilt, view])) {
+        let [mirror, narrow, wider] = [0.0, 0.01, 0.02]
+            .map(|roughness| brightness(&Scene { sky, ..tilted(Metal { roughness }, [tilt, view], 1.0) }));
+        assert!((mirror - narrow).abs().max((mirror - wider).abs()) < 2e-3, "{tilt}° from {view}°");
     }
 }
 
 /// A light inside a closed body is not seen outside: no ray that leaves the body starts inside.
 #[test]
 fn nothing_leaves_below_the_surface() {
-    for (kind, _) in KINDS.into_iter().filter(|(kind, _)| !matches!(kind, Glass { .. })) {
+    for kind in KINDS.into_iter().filter(|kind| !matches!(kind, Glass { .. })) {
         let dark = furnace(kind);
         let mut lit = dark.clone();
         lit.materials.push(lamp(1e6));
@@ -116,36 +196,6 @@ fn bulge_leads_to_the_sphere_and_never_inside() {
             assert!(-1e-6 <= height && height <= depth + 1e-6, "{depth} below, {height} above");
             assert_eq!(bulge(-1.0), Vec3::ZERO, "from inside, the ball is concave");
         }
-    }
-}
-
-#[test]
-fn bent_normals_mirror_above_the_surface_and_face_the_ray() {
-    let lane = |v: Vec3| math::Vec3::<f32>::splat(v);
-    let mut rng = Rng(91);
-    for _ in 0..200_000 {
-        let own = rng.direction().as_vec3();
-        let mut d = rng.direction().as_vec3();
-        let mut normal = rng.direction().as_vec3();
-        // All angles of arrival, down to grazing ones.
-        d = (d - own * d.dot(own)).normalize() - own * rng.scale(1e-5, 10.0) as f32;
-        d = d.normalize();
-        normal *= normal.dot(own).signum();
-        let bent = normals::bend_for_reflection(lane(d), lane(normal), lane(own)).get(0);
-        assert!((bent.length() - 1.0).abs() < 1e-5, "{d}, {normal}, {own}: {bent}");
-        let mirrored = d - bent * (2.0 * d.dot(bent));
-        // Half of the sine of arrival.
-        let sine = (-d.dot(own)).max(1e-6);
-        let off = 2e-6;
-        let least = (0.5 * sine).min(0.01) - off;
-        assert!(mirrored.dot(own) >= least, "{d}, {normal}, {own}: {bent}, {}", mirrored.dot(own));
-        assert!(bent.dot(d) <= off, "{d}, {normal}, {own}: {bent}");
-        // One that need not be bent stays as it is.
-        let straight = d - normal * (2.0 * d.dot(normal));
-        assert!(straight.dot(own) < 0.0101 || bent == normal);
-        let towards = rng.direction().as_vec3();
-        let g = normals::shadow_terminator(lane(towards), lane(bent), lane(own));
-        assert!((0.0..=1.0).contains(&g) && (towards.dot(own) > 0.0 || g == 0.0), "{g}");
     }
 }
 

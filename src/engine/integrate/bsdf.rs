@@ -8,8 +8,7 @@ use super::queue::Path;
 use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::plastic::PlasticView;
-use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval};
-use crate::kernel::normals;
+use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, Horizon, LobeEval, LobeNormals};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
 use crate::sampling::{PacketValues, dimension};
@@ -108,35 +107,24 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let normals = FacingNormals::of::<N>(d, surface, material);
     let nothing = L::Mask::splat(false);
     let offset_origin = normals.ng.mul_add(surface.offset, leaving_point::<L, N>(surface, material, nothing));
+    let wi = normals.lobes.specular;
     let mut sampling = Sampling {
         d,
         numbers,
         normals: &normals,
         material,
-        sample: BsdfSample { wi: normals.ns_specular, weight: L::one(), pdf: L::zero(), alive: nothing },
+        sample: BsdfSample { wi, weight: L::one(), pdf: L::zero(), alive: nothing },
         color: material.color,
         plastic: PlasticView::none(),
     };
     visit_lobes::<L, N>(material, found, &mut sampling);
-    let Sampling { mut sample, color, plastic, .. } = sampling;
-
-    let ng = normals.ng;
+    let Sampling { sample, color, plastic, .. } = sampling;
     let is_delta = !sample.pdf.lt(L::splat(f32::INFINITY));
-    if Features(N).meets(Features::SHADING_NORMALS) && material.has_shading_normal.any() {
-        let bent = material.has_shading_normal;
-        let refracted = resolve_refraction::<L, N>(d, &normals, material, &mut sample);
-        // On the reflecting side nothing goes on below the horizon.
-        let horizon = Vec3::select(is_delta, ng, normals.horizon);
-        sample.alive = sample.alive & (!bent | refracted | L::zero().lt(sample.wi.dot(horizon)));
-        let shadowed = bent & !is_delta;
-        let factor = normals.terminator::<N>(material, sample.wi);
-        sample.weight = L::select(shadowed, sample.weight * factor, sample.weight);
-    }
 
     let throughput = path.throughput * (color * sample.weight);
     // A path with throughput 0 ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
-    let ray = leave::<L, N>(surface, material, ng, sample.wi, (found, is_delta));
+    let ray = leave::<L, N>(surface, material, normals.ng, sample.wi, (found, is_delta));
     let inv_pdf =
         if has(N, Features::LIGHTS) { L::one() / sample.pdf.max(L::splat(1e-30)) } else { L::zero() };
     let path = Path { ray, throughput, inv_pdf, ..*path };
@@ -187,20 +175,23 @@ pub fn follow_delta<L: Lane, const N: u32>(
     material: &MaterialSample<L>,
     found: L::Mask,
 ) -> (Ray<L>, Vec3<L>, L::Mask) {
-    let normals = FacingNormals::of::<N>(d, surface, material);
-    let FacingNormals { ng, ns_specular, outside, .. } = normals;
-    let (mut sample, mut color) = (bsdf::mirror::sample(d, ns_specular), material.color);
+    let FacingNormals { ng, lobes, outside } = FacingNormals::of::<N>(d, surface, material);
+    let (mut sample, mut color) = (sample_mirror(d, &lobes), material.color);
     let glass = material.has_lobe(MaterialCode::GLASS, found);
     if glass.any() {
-        let either = bsdf::glass::sample(d, ns_specular, outside, material.roughness_or_ior, L::splat(0.5));
+        let either = bsdf::glass::sample(d, &lobes, outside, material.roughness_or_ior, L::splat(0.5));
         sample.wi = Vec3::select(glass, either.wi, sample.wi);
         sample.weight = L::select(glass, either.weight, sample.weight);
         color = glass_color(material, glass, ng, sample.wi);
-        resolve_refraction::<L, N>(d, &normals, material, &mut sample);
     }
     let refracts = glass & sample.wi.dot(ng).lt(L::zero());
     let ray = leave::<L, N>(surface, material, ng, sample.wi, (found, L::Mask::splat(true)));
     (ray, color * sample.weight, refracts)
+}
+
+#[inline(always)]
+fn sample_mirror<L: Lane>(d: Vec3<L>, lobes: &LobeNormals<L>) -> BsdfSample<L> {
+    lobes.raise_sample(bsdf::mirror::sample(d, lobes.specular), |_| L::zero())
 }
 
 /// The colour of glass (the lanes of `mask`) in the sampled direction: thin glass reflects white.
@@ -246,50 +237,53 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     #[inline(always)]
     fn diffuse(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        self.take(mask, bsdf::diffuse::sample(self.normals.ns, u, v));
+        self.take(mask, bsdf::diffuse::sample(&self.normals.lobes, u, v));
     }
     #[inline(always)]
     fn mirror(&mut self, mask: L::Mask) {
-        self.take(mask, bsdf::mirror::sample(self.d, self.normals.ns_specular));
+        self.take(mask, sample_mirror(self.d, &self.normals.lobes));
     }
     #[inline(always)]
     fn ggx(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        let (n, alpha) = (self.normals.ns_specular, self.material.roughness_or_ior);
-        self.take(mask, bsdf::ggx::sample(self.d, n, alpha, u, v));
-        let color = bsdf::albedo::compensated(self.material.color, self.d, n, alpha);
+        let (d, lobes, alpha) = (self.d, &self.normals.lobes, self.material.roughness_or_ior);
+        let sample = bsdf::ggx::sample(d, lobes.specular, alpha, u, v);
+        let pdf = |wi| bsdf::ggx::evaluate(d, lobes.specular, alpha, wi).pdf;
+        self.take(mask, lobes.raise_sample(sample, pdf));
+        let color = bsdf::albedo::compensated(self.material.color, d, lobes.specular, alpha);
         self.color = Vec3::select(mask, color, self.color);
     }
     #[inline(always)]
     fn glass(&mut self, mask: L::Mask) {
-        let FacingNormals { ns_specular, outside, .. } = *self.normals;
+        let FacingNormals { ng, lobes, outside } = self.normals;
         let (ior, number) = (self.material.roughness_or_ior, self.lobe_number());
-        let sample = bsdf::glass::sample(self.d, ns_specular, outside, ior, number);
-        let color = glass_color(self.material, mask, self.normals.ng, sample.wi);
+        let sample = bsdf::glass::sample(self.d, lobes, *outside, ior, number);
+        let color = glass_color(self.material, mask, *ng, sample.wi);
         self.take(mask, sample);
         self.color = Vec3::select(mask, color, self.color);
     }
     #[inline(always)]
     fn fuzzy_mirror(&mut self, mask: L::Mask) {
         let (u, v) = self.two_numbers();
-        let roughness = self.material.roughness_or_ior;
-        self.take(mask, bsdf::fuzzy_mirror::sample(self.d, self.normals.ns_specular, roughness, u, v));
+        let (d, lobes, roughness) = (self.d, &self.normals.lobes, self.material.roughness_or_ior);
+        let sample = bsdf::fuzzy_mirror::sample(d, lobes.specular, roughness, u, v);
+        let pdf = |wi| bsdf::fuzzy_mirror::evaluate(d, lobes.specular, roughness, wi).pdf;
+        self.take(mask, lobes.raise_sample(sample, pdf));
     }
     #[inline(always)]
     fn plastic(&mut self, mask: L::Mask) {
-        let n = self.normals.ns_specular;
+        let lobes = &self.normals.lobes;
         let (number, pair) = (self.lobe_number(), self.two_numbers());
         let plastic = self.material.plastic();
-        self.plastic = plastic.view(self.d, n);
-        let (lobe, weight) = plastic.sample(&self.plastic, self.d, n, number, pair);
+        self.plastic = plastic.view(self.d, lobes.specular);
+        let (lobe, weight) = plastic.sample(&self.plastic, self.d, lobes, number, pair);
         self.take(mask, lobe);
         self.color = Vec3::select(mask, weight, self.color);
     }
     #[inline(always)]
     fn metal_rough(&mut self, mask: L::Mask) {
-        let n = self.normals.ns_specular;
         let (number, pair) = (self.lobe_number(), self.two_numbers());
-        let (lobe, weight) = self.material.metal_rough().sample(self.d, n, number, pair);
+        let (lobe, weight) = self.material.metal_rough().sample(self.d, &self.normals.lobes, number, pair);
         self.take(mask, lobe);
         self.color = Vec3::select(mask, weight, self.color);
     }
@@ -308,25 +302,16 @@ pub fn evaluate<L: Lane, const N: u32>(
 ) -> BsdfEval<L> {
     let normals = FacingNormals::of::<N>(d, surface, material);
     let eval = BsdfEval { value: Vec3::zero(), pdf: L::zero() };
-    let mut evaluation = Evaluation { d, towards, normals: &normals, material, plastic, eval };
+    let mut evaluation = Evaluation { d, towards, lobes: &normals.lobes, material, plastic, eval };
     visit_lobes::<L, N>(material, mask, &mut evaluation);
-    let mut eval = evaluation.eval;
-    if Features(N).meets(Features::SHADING_NORMALS) && material.has_shading_normal.any() {
-        let bent = material.has_shading_normal;
-        let factor = normals.terminator::<N>(material, towards);
-        let below = bent & !L::zero().lt(towards.dot(normals.ng));
-        eval.value = Vec3::select(bent, eval.value * factor, eval.value);
-        eval.value = Vec3::select(below, Vec3::zero(), eval.value);
-        eval.pdf = L::select(below, L::zero(), eval.pdf);
-    }
-    eval
+    evaluation.eval
 }
 
 /// Evaluates each lobe in its lanes.
 struct Evaluation<'a, L: Lane> {
     d: Vec3<L>,
     towards: Vec3<L>,
-    normals: &'a FacingNormals<L>,
+    lobes: &'a LobeNormals<L>,
     material: &'a MaterialSample<L>,
     plastic: &'a PlasticView<L>,
     eval: BsdfEval<L>,
@@ -338,38 +323,43 @@ impl<L: Lane> Evaluation<'_, L> {
         self.eval.value = Vec3::select(mask, lobe.value, self.eval.value);
         self.eval.pdf = L::select(mask, lobe.pdf, self.eval.pdf);
     }
+    /// Takes a lobe by [`LobeNormals::fold`].
     #[inline(always)]
-    fn take_colored(&mut self, mask: L::Mask, LobeEval { value, pdf }: LobeEval<L>) {
-        self.take(mask, BsdfEval { value: self.material.color * value, pdf });
+    fn take_folded(&mut self, mask: L::Mask, color: Vec3<L>, lobe: impl Fn(Vec3<L>) -> LobeEval<L>) {
+        let colored = |wi, _| {
+            let LobeEval { value, pdf } = lobe(wi);
+            BsdfEval { value: color * value, pdf }
+        };
+        self.take(mask, self.lobes.fold(self.towards, Vec3::zero(), colored));
     }
 }
 
 impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
     #[inline(always)]
     fn diffuse(&mut self, mask: L::Mask) {
-        self.take_colored(mask, bsdf::diffuse::evaluate(self.normals.ns, self.towards));
+        let LobeEval { value, pdf } = bsdf::diffuse::evaluate(self.lobes, self.towards);
+        self.take(mask, BsdfEval { value: self.material.color * value, pdf });
     }
     #[inline(always)]
     fn ggx(&mut self, mask: L::Mask) {
-        let (n, alpha) = (self.normals.ns_specular, self.material.roughness_or_ior);
-        let LobeEval { value, pdf } = bsdf::ggx::evaluate(self.d, n, alpha, self.towards);
-        let color = bsdf::albedo::compensated(self.material.color, self.d, n, alpha);
-        self.take(mask, BsdfEval { value: color * value, pdf });
+        let (d, n, alpha) = (self.d, self.lobes.specular, self.material.roughness_or_ior);
+        let color = bsdf::albedo::compensated(self.material.color, d, n, alpha);
+        self.take_folded(mask, color, |wi| bsdf::ggx::evaluate(d, n, alpha, wi));
     }
     #[inline(always)]
     fn fuzzy_mirror(&mut self, mask: L::Mask) {
-        let (n, roughness) = (self.normals.ns_specular, self.material.roughness_or_ior);
-        self.take_colored(mask, bsdf::fuzzy_mirror::evaluate(self.d, n, roughness, self.towards));
+        let (d, n, roughness) = (self.d, self.lobes.specular, self.material.roughness_or_ior);
+        let lobe = |wi| bsdf::fuzzy_mirror::evaluate(d, n, roughness, wi);
+        self.take_folded(mask, self.material.color, lobe);
     }
     #[inline(always)]
     fn plastic(&mut self, mask: L::Mask) {
-        let n = self.normals.ns_specular;
-        self.take(mask, self.material.plastic().evaluate(self.plastic, self.d, n, self.towards));
+        let plastic = self.material.plastic();
+        self.take(mask, plastic.evaluate(self.plastic, self.d, self.lobes, self.towards));
     }
     #[inline(always)]
     fn metal_rough(&mut self, mask: L::Mask) {
-        let n = self.normals.ns_specular;
-        self.take(mask, self.material.metal_rough().evaluate(self.d, n, self.towards));
+        self.take(mask, self.material.metal_rough().evaluate(self.d, self.lobes, self.towards));
     }
 }
 
@@ -394,14 +384,7 @@ pub fn has_sampled_lobe<L: Lane, const N: u32>(material: &MaterialSample<L>) -> 
 struct FacingNormals<L: Lane> {
     /// Geometric normal: decides sides.
     ng: Vec3<L>,
-    /// Shading normal, as interpolated or mapped: continuous between triangles, at any viewing angle. For
-    /// diffuse lobes.
-    ns: Vec3<L>,
-    /// `ns`, bent so that mirror reflection stays above the surface and ns_specular · d ≤ 0. For lobes that
-    /// reflect and refract.
-    ns_specular: Vec3<L>,
-    /// Reflected light stays above the plane of this normal: the interpolated one, or `ng`.
-    horizon: Vec3<L>,
+    lobes: LobeNormals<L>,
     /// The ray arrives at the outward side.
     outside: L::Mask,
 }
@@ -411,48 +394,15 @@ impl<L: Lane> FacingNormals<L> {
     fn of<const N: u32>(d: Vec3<L>, surface: &Surface<L>, material: &MaterialSample<L>) -> Self {
         let cosine = d.dot(surface.ng);
         let ng = surface.ng.flip_sign(-cosine);
-        let (mut ns_specular, mut ns, mut horizon) = (ng, ng, ng);
+        let mut lobes = LobeNormals::flat(ng);
         let bent = material.has_shading_normal;
         if Features(N).meets(Features::SHADING_NORMALS) && bent.any() {
-            ns = Vec3::select(bent, material.ns.flip_sign(-cosine), ng);
-            ns_specular = Vec3::select(bent, normals::bend_for_reflection(d, ns, ng), ng);
+            let mut normal = ng;
             if has(N, Features::SMOOTH_NORMALS) {
-                horizon = material.interpolated.flip_sign(-cosine);
+                normal = material.interpolated.flip_sign(-cosine);
             }
+            lobes = LobeNormals::bent(d, material.ns.flip_sign(-cosine), Horizon { bent, normal, ng });
         }
-        Self { ng, ns, ns_specular, horizon, outside: !L::zero().lt(cosine) }
+        Self { ng, lobes, outside: !L::zero().lt(cosine) }
     }
-
-    /// The factor by which shading normals darken the lobes towards `w`: see [`normals::shadow_terminator`].
-    #[inline(always)]
-    fn terminator<const N: u32>(&self, material: &MaterialSample<L>, w: Vec3<L>) -> L {
-        let mut normal = self.ns_specular;
-        if has(N, Features::DIFFUSE) {
-            let diffuse = material.kind.equals(L::Bits::splat(MaterialCode::DIFFUSE));
-            normal = Vec3::select(diffuse, self.ns, normal);
-        }
-        normals::shadow_terminator(w, normal, self.horizon)
-    }
-}
-
-/// The lanes with shading normals in which glass refracts through the surface. Where a shading normal would
-/// refract without leaving the side from which the ray arrives, it reflects instead.
-#[inline(always)]
-fn resolve_refraction<L: Lane, const N: u32>(
-    d: Vec3<L>,
-    normals: &FacingNormals<L>,
-    material: &MaterialSample<L>,
-    sample: &mut BsdfSample<L>,
-) -> L::Mask {
-    if !has(N, Features::GLASS) {
-        return L::Mask::splat(false);
-    }
-    let FacingNormals { ng, ns_specular, .. } = *normals;
-    let glass = material.has_lobe(MaterialCode::GLASS, material.has_shading_normal);
-    let refracts = glass & sample.wi.dot(ns_specular).lt(L::zero());
-    let through = sample.wi.dot(ng).lt(L::zero());
-    let stays = refracts & !through;
-    sample.wi = Vec3::select(stays, d.reflect(ns_specular), sample.wi);
-    sample.weight = L::select(stays, L::one(), sample.weight);
-    refracts & through
 }

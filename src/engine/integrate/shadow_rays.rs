@@ -47,7 +47,8 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     // As scattered rays, so that BSDF sampling of the same direction has the same light pdf.
     let origin = scattered.offset_origin;
     let by_irradiance = lights.are_chosen_by_irradiance();
-    let n = surface.ng.flip_sign(-path.ray.direction.dot(surface.ng));
+    // Lights below the horizon add nothing.
+    let n = material.interpolated.flip_sign(-path.ray.direction.dot(surface.ng));
     let (light, u) = if by_irradiance && (fits_registers || lights.len() <= Lights::MAX_COMPARED) {
         lights.compare((surface.point, n), u, fits_registers)
     } else if by_irradiance && has(N, Features::MANY_LIGHTS) {

@@ -18,15 +18,78 @@ pub(super) fn sample(
     normals: &Normals,
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
-    let Normals { ng, ns_specular, ns_diffuse, .. } = *normals;
-    let (towards, weight, is_delta) = sample_lobe(kind, rougher, color, d, normals, number)?;
-    let horizon = if is_delta { ng } else { normals.horizon };
-    if !normals.has_ns || towards.dot(ng) < 0.0 && is_glass(kind) {
-        return Some((towards, weight, is_delta));
-    }
-    let ns = if kind == MaterialKind::Diffuse { ns_diffuse } else { ns_specular };
-    let shadow = if is_delta { 1.0 } else { terminator(towards, ns, horizon) };
-    (towards.dot(horizon) > 0.0).then_some((towards, weight * shadow, is_delta))
+    let Normals { ng, ns_specular: n, ns_diffuse, horizon, outside, .. } = *normals;
+    let mut is_delta = false;
+    let sample = match kind {
+        MaterialKind::Emitter => None,
+        MaterialKind::Diffuse => {
+            // Lambert's law: the normal plus a point on the unit sphere.
+            let towards = (ns_diffuse + on_sphere(number)).normalize();
+            normals.fade(towards).map(|weight| (towards, weight))
+        }
+        MaterialKind::Metal { roughness: 0.0 } => {
+            is_delta = true;
+            Some((raise(reflect(d, n), ng), 1.0))
+        }
+        MaterialKind::Metal { roughness } => {
+            let alpha = (f64::from(roughness) * rougher).powi(2);
+            is_delta = alpha < NARROWEST_ALPHA;
+            let out = to_local(-d, n);
+            let (wi, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
+            let (white, _) = albedo(out.z, alpha);
+            let weight = color * weight / (1.0 - color * (1.0 - white));
+            let towards = raise(to_world(wi, n), if is_delta { ng } else { horizon });
+            return (wi.z > 0.0).then_some((towards, weight, is_delta));
+        }
+        MaterialKind::Glass { ior } => {
+            // η: index of the incident medium over that of the transmitting one.
+            let eta = if outside { 1.0 / f64::from(ior) } else { f64::from(ior) };
+            let cosine = |n: DVec3| (-d.dot(n)).clamp(0.0, 1.0);
+            let is_total = |n: DVec3| eta * eta * (1.0 - cosine(n).powi(2)) >= 1.0;
+            // Of light that shading normals would reflect round for ever.
+            let escapes = is_total(n) && (!is_total(ng) || number(LOBE) < 0.125);
+            let n = if escapes { ng } else { n };
+            let cos_i = cosine(n);
+            let cos_t = (1.0 - eta * eta * (1.0 - cos_i * cos_i)).max(0.0).sqrt();
+            let reflected = if is_total(n) { 1.0 } else { fresnel(eta, cos_i, cos_t) };
+            is_delta = true;
+            Some(if number(LOBE) < reflected {
+                (raise(reflect(d, n), ng), 1.0)
+            } else {
+                // Radiance scales by η² when it enters another medium.
+                (raise(d * eta + n * (eta * cos_i - cos_t), -ng), eta * eta)
+            })
+        }
+        MaterialKind::ThinGlass { ior } => {
+            // Two surfaces with all reflections between them; what is transmitted goes straight on.
+            let cos_i = (-d.dot(n)).clamp(0.0, 1.0);
+            let cos2_t = 1.0 - (1.0 - cos_i * cos_i) / f64::from(ior).powi(2);
+            let once = if cos2_t <= 0.0 { 1.0 } else { reflected(f64::from(ior), cos_i) };
+            let reflects = number(LOBE) < 2.0 * once / (1.0 + once);
+            let reflection = raise(reflect(d, n), ng);
+            return Some(if reflects { (reflection, DVec3::ONE, true) } else { (d, color, true) });
+        }
+        MaterialKind::FuzzyMirror { roughness } => {
+            let roughness = f64::from(roughness) * rougher;
+            is_delta = roughness < NARROWEST_CONE;
+            let w = reflect(d, n) + on_sphere(number) * roughness;
+            let horizon = if is_delta { ng } else { horizon };
+            (w.dot(n) > 0.0).then(|| (raise(w.normalize(), horizon), 1.0))
+        }
+        MaterialKind::Plastic { roughness, ior } => {
+            let roughness = f64::from(roughness);
+            let transmitted = transmitted(f64::from(ior), roughness * roughness);
+            let coat = Coat { ior: f64::from(ior), alpha: (roughness * rougher).powi(2), transmitted };
+            return plastic(color, &coat, d, normals, number);
+        }
+        MaterialKind::MetalRough { roughness, metallic, ior } => {
+            let ior = f64::from(ior);
+            let alpha = (f64::from(roughness) * rougher).powi(2);
+            let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
+            return metal_rough(color, (alpha, f0, f64::from(metallic)), d, normals, number);
+        }
+    };
+    sample.map(|(towards, weight)| (towards, color * weight, is_delta))
 }
 
 /// Whether light goes through it.
@@ -38,7 +101,7 @@ pub(super) fn is_glass(kind: MaterialKind) -> bool {
 pub(super) struct Normals {
     /// Geometric normal.
     pub ng: DVec3,
-    /// Shading normal for reflection and refraction: bent until a mirror direction is above the surface.
+    /// Shading normal for all but diffuse lobes: it faces the ray.
     ns_specular: DVec3,
     /// Shading normal for diffuse lobes.
     pub ns_diffuse: DVec3,
@@ -58,110 +121,36 @@ impl Normals {
         let side = if outside { 1.0 } else { -1.0 };
         let ng = ng * side;
         let ns_diffuse = ns.map_or(ng, |ns| ns * side);
-        let ns_specular = if ns.is_some() { bend(d, ns_diffuse, ng) } else { ng };
+        // It faces the ray by half as much as the geometric normal, or as it faced away, at least.
+        let (cosine, least) = (-d.dot(ns_diffuse), -0.5 * d.dot(ng));
+        let turned = || (ns_diffuse - d * (cosine.abs().max(least) - cosine)).normalize();
+        let ns_specular = if cosine < least { turned() } else { ns_diffuse };
         let horizon = interpolated.map_or(ng, |normal| normal * side);
         Self { ng, ns_specular, ns_diffuse, horizon, has_ns: ns.is_some(), outside }
     }
-}
 
-/// The shading normal `ns`, turned towards `ng` until the mirror direction is above the surface: by half the
-/// sine at which d arrives, at most 0.01.
-///
-/// Source: Keller et al., "The Iray Light Transport Simulation and Rendering System", 2017, §A.3.
-fn bend(d: DVec3, ns: DVec3, ng: DVec3) -> DVec3 {
-    let mirrored = reflect(d, ns);
-    let least = (-0.5 * d.dot(ng)).clamp(1e-6, 0.01);
-    let above = mirrored.dot(ng);
-    if above >= least {
-        return ns;
+    /// The directions in which a specular lobe may send light for it to leave along `w`: `w`, and what is
+    /// mirrored in the horizon.
+    fn images(&self, w: DVec3) -> Vec<DVec3> {
+        if self.has_ns { vec![w, reflect(w, self.horizon)] } else { vec![w] }
     }
-    ((mirrored + ng * (least - above)).normalize() - d).try_normalize().unwrap_or(ng)
+
+    /// The weight of a diffuse lobe's light from `w`, `None` below the horizon: see "diffuse lobes" at the head
+    /// of `kernel/normals.rs`.
+    fn fade(&self, w: DVec3) -> Option<f64> {
+        let height = w.dot(self.horizon);
+        let added = w.dot(self.ns_diffuse) - self.ns_diffuse.dot(self.horizon) * height;
+        if !self.has_ns {
+            return Some(1.0);
+        }
+        let x = if 2.0 * height < added { 2.0 * height / added } else { 1.0 };
+        (height > 0.0).then_some(x * (6.0 - 9.0 * x + 4.0 * x * x))
+    }
 }
 
-/// The factor that softens the shadow terminator of shading normals.
-///
-/// Source: Chiang, Li, Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019.
-fn terminator(w: DVec3, ns: DVec3, ng: DVec3) -> f64 {
-    let g = (w.dot(ng).max(0.0) / (w.dot(ns) * ns.dot(ng)).max(1e-12)).min(1.0);
-    g + g * g - g * g * g
-}
-
-/// Direction, weight without the terminator, and whether the lobe is a delta lobe.
-fn sample_lobe(
-    kind: MaterialKind,
-    rougher: f64,
-    color: DVec3,
-    d: DVec3,
-    normals: &Normals,
-    number: impl Fn(u32) -> f64,
-) -> Option<(DVec3, DVec3, bool)> {
-    let Normals { ng, ns_specular: n, ns_diffuse, outside, .. } = *normals;
-    let mut is_delta = false;
-    let sample = match kind {
-        MaterialKind::Emitter => None,
-        MaterialKind::Diffuse => {
-            // Lambert's law: the normal plus a point on the unit sphere.
-            Some(((ns_diffuse + on_sphere(number)).normalize(), 1.0))
-        }
-        MaterialKind::Metal { roughness: 0.0 } => {
-            is_delta = true;
-            Some((reflect(d, n), 1.0))
-        }
-        MaterialKind::Metal { roughness } => {
-            let alpha = (f64::from(roughness) * rougher).powi(2);
-            is_delta = alpha < NARROWEST_ALPHA;
-            let out = to_local(-d, n);
-            let (wi, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
-            let (white, _) = albedo(out.z, alpha);
-            let weight = color * weight / (1.0 - color * (1.0 - white));
-            return (wi.z > 0.0).then(|| (to_world(wi, n), weight, is_delta));
-        }
-        MaterialKind::Glass { ior } => {
-            // η: index of the incident medium over that of the transmitting one.
-            let eta = if outside { 1.0 / f64::from(ior) } else { f64::from(ior) };
-            let cos_i = (-d.dot(n)).clamp(0.0, 1.0);
-            let sin2_t = eta * eta * (1.0 - cos_i * cos_i);
-            let cos_t = (1.0 - sin2_t).max(0.0).sqrt();
-            let reflected = if sin2_t >= 1.0 { 1.0 } else { fresnel(eta, cos_i, cos_t) };
-            is_delta = true;
-            let refracted = d * eta + n * (eta * cos_i - cos_t);
-            // With a shading normal, a refracted ray may stay on its side of the surface: it is reflected
-            // instead.
-            if number(LOBE) < reflected || (normals.has_ns && refracted.dot(ng) >= 0.0) {
-                Some((reflect(d, n), 1.0))
-            } else {
-                // Radiance scales by η² when it enters another medium.
-                Some((refracted, eta * eta))
-            }
-        }
-        MaterialKind::ThinGlass { ior } => {
-            // Two surfaces with all reflections between them; what is transmitted goes straight on.
-            let cos_i = (-d.dot(n)).clamp(0.0, 1.0);
-            let cos2_t = 1.0 - (1.0 - cos_i * cos_i) / f64::from(ior).powi(2);
-            let once = if cos2_t <= 0.0 { 1.0 } else { reflected(f64::from(ior), cos_i) };
-            let reflects = number(LOBE) < 2.0 * once / (1.0 + once);
-            return Some(if reflects { (reflect(d, n), DVec3::ONE, true) } else { (d, color, true) });
-        }
-        MaterialKind::FuzzyMirror { roughness } => {
-            let roughness = f64::from(roughness) * rougher;
-            is_delta = roughness < NARROWEST_CONE;
-            let w = reflect(d, n) + on_sphere(number) * roughness;
-            (w.dot(n) > 0.0).then(|| (w.normalize(), 1.0))
-        }
-        MaterialKind::Plastic { roughness, ior } => {
-            let roughness = f64::from(roughness);
-            let transmitted = transmitted(f64::from(ior), roughness * roughness);
-            let coat = Coat { ior: f64::from(ior), alpha: (roughness * rougher).powi(2), transmitted };
-            return plastic(color, &coat, d, n, number);
-        }
-        MaterialKind::MetalRough { roughness, metallic, ior } => {
-            let ior = f64::from(ior);
-            let alpha = (f64::from(roughness) * rougher).powi(2);
-            let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
-            return metal_rough(color, (alpha, f0, f64::from(metallic)), d, n, number);
-        }
-    };
-    sample.map(|(towards, weight)| (towards, color * weight, is_delta))
+/// `w`, mirrored in the plane of `n` if it is below.
+fn raise(w: DVec3, n: DVec3) -> DVec3 {
+    if w.dot(n) < 0.0 { reflect(w, n) } else { w }
 }
 
 /// How wide the narrowest lobe is that is no delta lobe, from 0 to 1; arguments as in [`sample`].
@@ -217,18 +206,18 @@ fn plastic(
     color: DVec3,
     coat: &Coat,
     d: DVec3,
-    n: DVec3,
+    normals: &Normals,
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
     let Coat { ior, alpha, transmitted } = *coat;
     let transmittance = |cos: f64| transmittance(ior, alpha, cos);
     let base = color / ((DVec3::ONE - color) * ior * ior + color * transmitted);
-    let out = to_local(-d, n);
-    let entered = transmittance(out.z);
+    let cos_o = -d.dot(normals.ns_specular);
+    let entered = transmittance(cos_o);
     let brightest = base.max_element() * transmitted * entered;
     let on_coat = (1.0 - entered) / (1.0 - entered + brightest);
     let fresnel = |cos: f64| DVec3::splat(reflected(ior, cos));
-    ggx_over_lambert(out, n, alpha, on_coat, fresnel, |cos| base * entered * transmittance(cos), number)
+    ggx_over_lambert(d, normals, alpha, on_coat, fresnel, |cos| base * entered * transmittance(cos), number)
 }
 
 /// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs`.
@@ -236,12 +225,11 @@ fn metal_rough(
     color: DVec3,
     (alpha, f0, metallic): (f64, f64, f64),
     d: DVec3,
-    n: DVec3,
+    normals: &Normals,
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
     let normal = DVec3::splat((1.0 - metallic) * f0) + color * metallic;
-    let out = to_local(-d, n);
-    let (white, grazing) = albedo(out.z, alpha);
+    let (white, grazing) = albedo(-d.dot(normals.ns_specular), alpha);
     let reflected = |f0: f64| (f0 * white + (1.0 - f0) * grazing) / (1.0 - f0 * (1.0 - white));
     let fresnel = |cos: f64| {
         let schlick =
@@ -251,7 +239,7 @@ fn metal_rough(
     let base = color * (1.0 - metallic) * (1.0 - reflected(f0)).max(0.0);
     let (specular, diffuse) = (reflected(normal.max_element()), base.max_element());
     let on_specular = specular / (specular + diffuse).max(1e-300);
-    ggx_over_lambert(out, n, alpha, on_specular, fresnel, |_| base, number)
+    ggx_over_lambert(d, normals, alpha, on_specular, fresnel, |_| base, number)
 }
 
 /// E and E₅ of white GGX at a cosine: the fits of the model, at the head of `kernel/bsdf/albedo.rs`.
@@ -274,44 +262,48 @@ fn albedo(cos: f64, a: f64) -> (f64, f64) {
 
 /// A GGX lobe of the reflectance `fresnel` at the cosine of the microfacet, sampled with the probability
 /// `on_specular`, over a Lambert base of the reflectance `base` at the cosine of the sampled direction: the
-/// sum, divided by the pdf with which the estimator samples. `out` is in the frame of the normal.
+/// sum, divided by the pdf with which the estimator samples.
 fn ggx_over_lambert(
-    out: DVec3,
-    n: DVec3,
+    d: DVec3,
+    normals: &Normals,
     alpha: f64,
     on_specular: f64,
     fresnel: impl Fn(f64) -> DVec3,
     base: impl Fn(f64) -> DVec3,
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
-    let smooth = alpha < NARROWEST_ALPHA;
+    let Normals { ng, ns_specular: n, ns_diffuse, horizon, .. } = *normals;
+    let (smooth, out) = (alpha < NARROWEST_ALPHA, to_local(-d, n));
     let towards = if number(LOBE) < on_specular {
-        let (towards, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
-        if smooth {
-            let facet = (towards + out).normalize().dot(out);
-            let weight = fresnel(facet) * (weight / on_specular);
-            return (towards.z > 0.0).then(|| (to_world(towards, n), weight, true));
+        let (local, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
+        if local.z <= 0.0 {
+            return None;
         }
-        towards
+        if smooth {
+            let facet = (local + out).normalize().dot(out);
+            let weight = fresnel(facet) * (weight / on_specular);
+            return Some((raise(to_world(local, n), ng), weight, true));
+        }
+        raise(to_world(local, n), horizon)
     } else {
-        to_local((n + on_sphere(number)).normalize(), n)
+        (ns_diffuse + on_sphere(number)).normalize()
     };
-    if towards.z <= 0.0 {
-        return None;
+    let fade = normals.fade(towards)?;
+    let cosine = towards.dot(ns_diffuse).max(0.0);
+    let mut value = base(cosine) * (cosine / PI * fade);
+    let mut pdf = (1.0 - on_specular) * cosine / PI;
+    for image in normals.images(towards).into_iter().map(|image| to_local(image, n)) {
+        if !smooth && image.z > 0.0 {
+            let half = (image + out).normalize();
+            let [lambda_out, lambda_in] = [out, image].map(|w| lambda(w, alpha));
+            let slope = half.z * half.z * (alpha * alpha - 1.0) + 1.0;
+            let distribution = alpha * alpha / (PI * slope * slope);
+            let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
+            value += fresnel(half.dot(out)) * visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in);
+            pdf += on_specular * visible;
+        }
     }
-    let lambert = towards.z / PI;
-    let mut value = base(towards.z) * lambert;
-    let mut pdf = (1.0 - on_specular) * lambert;
-    if !smooth {
-        let half = (towards + out).normalize();
-        let [lambda_out, lambda_in] = [out, towards].map(|w| lambda(w, alpha));
-        let slope = half.z * half.z * (alpha * alpha - 1.0) + 1.0;
-        let distribution = alpha * alpha / (PI * slope * slope);
-        let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
-        value += fresnel(half.dot(out)) * visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in);
-        pdf += on_specular * visible;
-    }
-    Some((to_world(towards, n), value / pdf, false))
+    (pdf > 0.0).then(|| (towards, value / pdf, false))
 }
 
 /// A point on the unit sphere, uniformly.

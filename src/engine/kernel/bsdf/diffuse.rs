@@ -1,21 +1,35 @@
 //! The diffuse (Lambertian) lobe.
 
+use super::lobe_normals::LobeNormals;
 use super::sample::{BsdfSample, LobeEval};
 use crate::lane::Lane;
 use crate::math::Vec3;
 use crate::sampling::warp;
 use std::f32::consts::FRAC_1_PI;
 
-/// Samples with pdf cos θ / π and weight 1. Never absorbs, never points below the surface.
+/// Samples with pdf cos θ / π and weight 1, and never below the surface. At a shading normal it may absorb, and
+/// the weight is that of [`crate::kernel::normals::shadow_terminator`].
 #[inline(always)]
-pub fn sample<L: Lane>(n: Vec3<L>, u: L, v: L) -> BsdfSample<L> {
-    let wi = warp::sample_cosine_hemisphere(n, u, v);
-    BsdfSample::lossless(wi, evaluate(n, wi).pdf)
+pub fn sample<L: Lane>(normals: &LobeNormals<L>, u: L, v: L) -> BsdfSample<L> {
+    let wi = warp::sample_cosine_hemisphere(normals.diffuse, u, v);
+    let mut sample = BsdfSample::lossless(wi, pdf(normals.diffuse, wi));
+    if let Some(horizon) = &normals.horizon {
+        sample.weight = horizon.fade(wi, normals.diffuse);
+        sample.alive = L::zero().lt(sample.weight);
+    }
+    sample
 }
 
-/// Value and pdf are both cos θ / π; zero below the surface.
+/// Value and pdf are both cos θ / π, zero below the surface; the value at a shading normal is faded.
 #[inline(always)]
-pub fn evaluate<L: Lane>(n: Vec3<L>, wi: Vec3<L>) -> LobeEval<L> {
-    let pdf = wi.dot(n).max(L::zero()) * L::splat(FRAC_1_PI);
-    LobeEval { value: pdf, pdf }
+pub fn evaluate<L: Lane>(normals: &LobeNormals<L>, wi: Vec3<L>) -> LobeEval<L> {
+    let pdf = pdf(normals.diffuse, wi);
+    let Some(horizon) = &normals.horizon else { return LobeEval { value: pdf, pdf } };
+    let fade = horizon.fade(wi, normals.diffuse);
+    LobeEval::within(L::zero().lt(fade), pdf * fade, pdf)
+}
+
+#[inline(always)]
+fn pdf<L: Lane>(n: Vec3<L>, wi: Vec3<L>) -> L {
+    wi.dot(n).max(L::zero()) * L::splat(FRAC_1_PI)
 }

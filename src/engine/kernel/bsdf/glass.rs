@@ -3,6 +3,7 @@
 //! Source: Pharr et al., PBR 4ed §9.5; of thin glass §9.5.1, `ThinDielectricBxDF`.
 
 use super::fresnel::{self, Fresnel};
+use super::lobe_normals::{Horizon, LobeNormals};
 use super::sample::BsdfSample;
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
@@ -15,20 +16,41 @@ use crate::math::Vec3;
 /// Thin glass is two parallel surfaces at no distance. Light goes back and forth between them, so it reflects
 /// F′ = F + (1 − F)² F (1 + F² + F⁴ + …) = 2 F / (1 + F), and transmits the rest straight on.
 ///
+/// Light that a coarse mesh lets in would go round in it for ever by total reflection at shading normals. So
+/// the geometric normal takes their place where it does not reflect in total, and elsewhere for one `uc` in
+/// eight. What leaves to the wrong side of the geometric normal is mirrored to the right one.
+///
 /// Domain: |`ior`| > 0 is the index inside, negative of thin glass; `outside` says that d arrives from the
 /// vacuum side.
 #[inline(always)]
-pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, outside: L::Mask, ior: L, uc: L) -> BsdfSample<L> {
+pub fn sample<L: Lane>(
+    d: Vec3<L>,
+    normals: &LobeNormals<L>,
+    outside: L::Mask,
+    ior: L,
+    uc: L,
+) -> BsdfSample<L> {
     let (thin, ior) = (is_thin(ior), ior.abs());
     let eta = L::select(outside | thin, L::one() / ior, ior);
-    let cos_i = (-d.dot(n)).min(L::one()).max(L::zero());
+    let cos_i = |n: Vec3<L>| (-d.dot(n)).min(L::one()).max(L::zero());
+    let mut n = normals.specular;
+    if let Some(Horizon { bent, ng, .. }) = normals.horizon {
+        let total = |n: Vec3<L>| fresnel::dielectric(eta, cos_i(n)).total;
+        let keeps_round = total(ng) & !uc.lt(L::splat(0.125));
+        n = Vec3::select(bent & !thin & total(n) & !keeps_round, ng, n);
+    }
+    let cos_i = cos_i(n);
     let Fresnel { reflectance, total, cos_t } = fresnel::dielectric(eta, cos_i);
     // uc < 2 F / (1 + F), without a division.
     let half = L::splat(0.5);
     let uc = L::select(thin, uc * half.mul_add(reflectance, half), uc);
     let reflects = total | uc.lt(reflectance);
     let refracted = Vec3::select(thin, d, d * eta + n * eta.mul_add(cos_i, -cos_t));
-    let wi = Vec3::select(reflects, d.reflect(n), refracted);
+    let mut wi = Vec3::select(reflects, d.reflect(n), refracted);
+    if let Some(Horizon { bent, ng, .. }) = normals.horizon {
+        let wrong = reflects ^ L::zero().lt(wi.dot(ng));
+        wi = Vec3::select(bent & wrong, wi.reflect(ng), wi);
+    }
     let weight = L::select(reflects | thin, L::one(), eta * eta);
     BsdfSample { wi, weight, pdf: L::splat(f32::INFINITY), alive: L::Mask::splat(true) }
 }

@@ -19,6 +19,7 @@
 //! Physically Based Shading at Imageworks", SIGGRAPH 2017.
 
 use super::albedo::{Albedo, schlick};
+use super::lobe_normals::LobeNormals;
 use super::sample::{BsdfEval, BsdfSample, LobeEval};
 use super::{diffuse, ggx};
 use crate::lane::{Lane, Mask};
@@ -85,38 +86,54 @@ impl<L: Lane> MetalRough<L> {
 
     /// Samples the specular part or the base, as `uc` says. The second result is the weight with colour.
     #[inline(always)]
-    pub fn sample(&self, d: Vec3<L>, n: Vec3<L>, uc: L, (u, v): (L, L)) -> (BsdfSample<L>, Vec3<L>) {
+    pub fn sample(
+        &self,
+        d: Vec3<L>,
+        normals: &LobeNormals<L>,
+        uc: L,
+        (u, v): (L, L),
+    ) -> (BsdfSample<L>, Vec3<L>) {
+        let n = normals.specular;
         let view = self.view(d, n);
         let probability = view.specular_probability;
         let (specular, cos) = ggx::sample_direction(d, n, self.alpha, u, v);
-        let reflects = uc.lt(probability);
-        let wi = Vec3::select(reflects, specular, diffuse::sample(n, u, v).wi);
-        let BsdfEval { value, mut pdf } = self.evaluate_view(&view, d, n, wi);
+        let (reflects, smooth) = (uc.lt(probability), ggx::is_narrow(self.alpha));
+        let on_base = diffuse::sample(normals, u, v).wi;
+        let wi = Vec3::select(reflects, normals.raise(specular, smooth), on_base);
+        let BsdfEval { value, mut pdf } = self.evaluate_view(&view, d, normals, wi);
         let mut weight = value * (L::one() / pdf);
-        let delta = reflects & ggx::is_narrow(self.alpha);
+        let delta = reflects & smooth;
         if delta.any() {
             let shadowing = ggx::shadowing(self.alpha, ggx::cos_o(d, n), cos);
             let reflected = view.specular(d, specular) * (shadowing / probability);
             weight = Vec3::select(delta, reflected, weight);
             pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
         }
-        // Where the pdf is zero, rounding moved the sample out of the lobe.
+        // Where the pdf is zero, rounding moved the sample out of the lobe, or the base absorbs it.
         let alive = (!reflects | L::zero().lt(cos)) & L::zero().lt(pdf);
         (BsdfSample { wi, weight: L::one(), pdf, alive }, weight)
     }
 
     /// Both parts together; the base alone where the specular part is a delta lobe. Zero below the surface.
     #[inline(always)]
-    pub fn evaluate(&self, d: Vec3<L>, n: Vec3<L>, wi: Vec3<L>) -> BsdfEval<L> {
-        self.evaluate_view(&self.view(d, n), d, n, wi)
+    pub fn evaluate(&self, d: Vec3<L>, normals: &LobeNormals<L>, wi: Vec3<L>) -> BsdfEval<L> {
+        self.evaluate_view(&self.view(d, normals.specular), d, normals, wi)
     }
     #[inline(always)]
-    fn evaluate_view(&self, view: &View<L>, d: Vec3<L>, n: Vec3<L>, wi: Vec3<L>) -> BsdfEval<L> {
+    fn evaluate_view(
+        &self,
+        view: &View<L>,
+        d: Vec3<L>,
+        normals: &LobeNormals<L>,
+        wi: Vec3<L>,
+    ) -> BsdfEval<L> {
         let probability = view.specular_probability;
-        let specular: LobeEval<L> = ggx::evaluate(d, n, self.alpha, wi);
-        let on_base = diffuse::evaluate(n, wi);
+        let on_base = diffuse::evaluate(normals, wi);
         let diffuse = self.color * (view.base * on_base.value);
-        let pdf = probability.mul_add(specular.pdf, (L::one() - probability) * on_base.pdf);
-        BsdfEval { value: view.specular(d, wi).mul_add(specular.value, diffuse), pdf }
+        let BsdfEval { value, pdf } = normals.fold(wi, diffuse, |wi, base| {
+            let LobeEval { value, pdf } = ggx::evaluate(d, normals.specular, self.alpha, wi);
+            BsdfEval { value: view.specular(d, wi).mul_add(value, base), pdf }
+        });
+        BsdfEval { value, pdf: probability.mul_add(pdf, (L::one() - probability) * on_base.pdf) }
     }
 }

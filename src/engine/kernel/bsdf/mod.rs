@@ -20,9 +20,11 @@ mod fresnel;
 pub mod fuzzy_mirror;
 pub mod ggx;
 pub mod glass;
+mod lobe_normals;
 pub mod metal_rough;
 pub mod mirror;
 pub mod plastic;
 mod sample;
 
+pub use lobe_normals::{Horizon, LobeNormals};
 pub use sample::{BsdfEval, BsdfSample, LobeEval};

@@ -18,6 +18,7 @@
 //! Mitsuba, `plastic`; 1 − F′ = T̄ / η²: Egan, Hilgeman, Optical Properties of Inhomogeneous Materials, 1979.
 //! The fit of the grazing cosine is our own.
 
+use super::lobe_normals::LobeNormals;
 use super::sample::{BsdfEval, BsdfSample, LobeEval};
 use super::{diffuse, fresnel, ggx};
 use crate::lane::{Lane, Mask};
@@ -136,37 +137,46 @@ impl<L: Lane> Plastic<L> {
         &self,
         view: &PlasticView<L>,
         d: Vec3<L>,
-        n: Vec3<L>,
+        normals: &LobeNormals<L>,
         uc: L,
         (u, v): (L, L),
     ) -> (BsdfSample<L>, Vec3<L>) {
-        let probability = view.coat_probability;
+        let (n, probability) = (normals.specular, view.coat_probability);
         let (on_coat, cos) = ggx::sample_direction(d, n, self.alpha, u, v);
-        let coat = uc.lt(probability);
-        let wi = Vec3::select(coat, on_coat, diffuse::sample(n, u, v).wi);
-        let BsdfEval { value, mut pdf } = self.evaluate(view, d, n, wi);
+        let (coat, smooth) = (uc.lt(probability), ggx::is_narrow(self.alpha));
+        let on_base = diffuse::sample(normals, u, v).wi;
+        let wi = Vec3::select(coat, normals.raise(on_coat, smooth), on_base);
+        let BsdfEval { value, mut pdf } = self.evaluate(view, d, normals, wi);
         let mut weight = value * (L::one() / pdf);
-        let delta = coat & ggx::is_narrow(self.alpha);
+        let delta = coat & smooth;
         if delta.any() {
             let shadowing = ggx::shadowing(self.alpha, ggx::cos_o(d, n), cos);
             let mirror_weight = shadowing * view.facet_fresnel(d, on_coat) / probability;
             weight = Vec3::select(delta, Vec3::repeat(mirror_weight), weight);
             pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
         }
-        // Where the pdf is zero, rounding moved the sample out of the lobe.
+        // Where the pdf is zero, rounding moved the sample out of the lobe, or the base absorbs it.
         let alive = (!coat | L::zero().lt(cos)) & L::zero().lt(pdf);
         (BsdfSample { wi, weight: L::one(), pdf, alive }, weight)
     }
 
     /// Coat and base together; the base alone where the coat is a delta lobe. Zero below the surface.
     #[inline(always)]
-    pub fn evaluate(&self, view: &PlasticView<L>, d: Vec3<L>, n: Vec3<L>, wi: Vec3<L>) -> BsdfEval<L> {
+    pub fn evaluate(
+        &self,
+        view: &PlasticView<L>,
+        d: Vec3<L>,
+        normals: &LobeNormals<L>,
+        wi: Vec3<L>,
+    ) -> BsdfEval<L> {
         let probability = view.coat_probability;
-        let on_coat: LobeEval<L> = ggx::evaluate(d, n, self.alpha, wi);
-        let on_base = diffuse::evaluate(n, wi);
-        let diffuse = view.into_base * view.transmittance(wi.dot(n)) * on_base.value;
-        let specular = view.facet_fresnel(d, wi) * on_coat.value;
-        let pdf = probability.mul_add(on_coat.pdf, (L::one() - probability) * on_base.pdf);
-        BsdfEval { value: view.base.mul_add(diffuse, Vec3::repeat(specular)), pdf }
+        let on_base = diffuse::evaluate(normals, wi);
+        let diffuse = view.into_base * view.transmittance(wi.dot(normals.diffuse)) * on_base.value;
+        let coat = normals.fold(wi, Vec3::zero(), |wi, _| {
+            let LobeEval { value, pdf } = ggx::evaluate(d, normals.specular, self.alpha, wi);
+            BsdfEval { value: Vec3::repeat(view.facet_fresnel(d, wi) * value), pdf }
+        });
+        let pdf = probability.mul_add(coat.pdf, (L::one() - probability) * on_base.pdf);
+        BsdfEval { value: view.base.mul_add(diffuse, coat.value), pdf }
     }
 }

@@ -1,8 +1,9 @@
 //! Scattered directions: opposite vectors that cancel, shading normals.
 
 use super::rng::Rng;
-use super::test_case::{FailureCounts, TestCase, compare};
-use crate::kernel::bsdf::diffuse;
+use super::test_case::{Bound, FailureCounts, TestCase, compare};
+use crate::kernel::bsdf::albedo::Albedo;
+use crate::kernel::bsdf::{BsdfSample, Horizon, LobeNormals, diffuse, ggx};
 use crate::kernel::normals;
 use crate::math::{BELOW_ONE, Vec3};
 use crate::sampling::warp;
@@ -30,42 +31,56 @@ pub(super) fn test_cases() -> Vec<TestCase> {
         },
         TestCase {
             name: "scattering-diffuse",
-            title: "Diffuse surfaces with shading normals: rays below the surface, and lost light",
+            title: "Diffuse surfaces with shading normals: rays below the surface, edges, and lost light",
             axis: "angle of shading and geometric normal in degrees",
             places: &[1.0, 3.0, 10.0, 20.0, 40.0, 60.0, 80.0],
-            failure: "one of 256 rays leaves below the surface",
-            error: Some("share of the light that is lost"),
-            source: CHIANG,
+            failure: "one of 256 rays leaves below the surface, or a light is as bright on the horizon as above",
+            error: Some("share of the light above the horizon that is lost"),
+            source: "Chiang, Li, Burley, Taming the Shadow Terminator, SIGGRAPH Talks 2019",
             inputs: 2_000,
             methods: compare(
                 diffuse_light,
                 &[
                     ("unchecked", |_, _, _| Some(1.0)),
                     ("absorbed", |w, _, ng| (w.dot(ng) > 0.0).then_some(1.0)),
-                    ("absorbed-and-shadowed", |w, ns, ng| {
-                        (w.dot(ng) > 0.0).then(|| normals::shadow_terminator(w, ns, ng))
-                    }),
+                    ("absorbed-and-shadowed", |w, ns, ng| (w.dot(ng) > 0.0).then(|| chiang(w, ns, ng))),
+                    ("faded", |w, ns, ng| (w.dot(ng) > 0.0).then(|| normals::shadow_terminator(w, ns, ng))),
                 ],
             ),
             ..TestCase::COMMON
         },
         TestCase {
-            name: "scattering-mirror",
-            title: "Mirrors with shading normals",
+            name: "scattering-glossy",
+            title: "Metal, smooth to rough, with shading normals: rays below the surface, and lost light",
             axis: "angle of shading and geometric normal in degrees",
             places: &[1.0, 3.0, 10.0, 20.0, 40.0, 60.0, 80.0],
-            failure: "reflected below the surface",
+            failure: "one of 256 rays leaves below the surface",
+            error: Some("share of the light that is lost, but for that of the lobe without a shading normal"),
             source: "Keller et al., The Iray Light Transport Simulation and Rendering System, 2017, §A.3",
+            inputs: 2_000,
             methods: compare(
-                mirror,
-                &[("unbent", |_, ns, _| ns), ("bent", normals::bend_for_reflection::<f32>)],
+                glossy_light,
+                &[
+                    ("unchecked", |d, [ns, ng], sample| sample(normals::facing(d, ns, ng))),
+                    ("absorbed", |d, [ns, ng], sample| absorbed(sample(normals::facing(d, ns, ng)), ng)),
+                    ("bent", |d, [ns, ng], sample| absorbed(sample(bend(d, ns, ng)), ng)),
+                    ("bent-and-shadowed", |d, [ns, ng], sample| {
+                        let n = bend(d, ns, ng);
+                        let sample = absorbed(sample(n), ng);
+                        BsdfSample { weight: sample.weight * chiang(sample.wi, n, ng), ..sample }
+                    }),
+                    ("mirrored", |d, [ns, ng], sample| {
+                        let normals = LobeNormals::bent(d, ns, Horizon { bent: true, normal: ng, ng });
+                        normals.raise_sample(sample(normals.specular), |_| 0.0)
+                    }),
+                ],
             ),
+            // As much as renderers may differ by.
+            bound: |_| Bound::error(0.03),
             ..TestCase::COMMON
         },
     ]
 }
-
-const CHIANG: &str = "Chiang, Li, Burley, Taming the Shadow Terminator, SIGGRAPH Talks 2019";
 
 /// The numbers u and v from which [`warp::sample_uniform_sphere`] computes this unit vector, up to rounding.
 fn numbers(v: DVec3) -> (f32, f32) {
@@ -97,6 +112,31 @@ fn tilted(rng: &mut Rng, degrees: f64) -> [Vec3<f32>; 2] {
     [ng, ng * cos + across * sin].map(|normal| Vec3::splat(normal.as_vec3()))
 }
 
+/// The factor that darkens lights where the normals differ, down to 0 at the horizon.
+fn chiang(w: Vec3<f32>, ns: Vec3<f32>, ng: Vec3<f32>) -> f32 {
+    let g = (w.dot(ng).max(0.0) / (w.dot(ns) * ns.dot(ng)).max(1e-12)).min(1.0);
+    ((1.0 - g) * g + 1.0) * g
+}
+
+/// `ns`, bent towards `ng` until the mirror direction of `d` is above the surface: by half the sine at which d
+/// arrives, at most 0.01.
+fn bend(d: Vec3<f32>, ns: Vec3<f32>, ng: Vec3<f32>) -> Vec3<f32> {
+    let mirrored = d.reflect(ns);
+    let (sine, least) = (mirrored.dot(ng), (-0.5 * d.dot(ng)).clamp(1e-6, 0.01));
+    if sine < least { (ng.mul_add(least - sine, mirrored).normalize() - d).normalize() } else { ns }
+}
+
+fn absorbed(sample: BsdfSample<f32>, ng: Vec3<f32>) -> BsdfSample<f32> {
+    BsdfSample { alive: sample.alive && sample.wi.dot(ng) > 0.0, ..sample }
+}
+
+/// Random numbers in the cells of a grid.
+fn stratified(rng: &mut Rng) -> Vec<(f32, f32)> {
+    const SIDE: usize = 16;
+    let mut within = |at: usize| (((at as f64 + rng.unit()) / SIDE as f64) as f32).min(BELOW_ONE);
+    (0..SIDE * SIDE).map(|cell| (within(cell % SIDE), within(cell / SIDE))).collect()
+}
+
 /// `weight` is the weight of a direction, given the shading and the geometric normal; `None` where it is
 /// absorbed.
 fn diffuse_light(
@@ -105,37 +145,42 @@ fn diffuse_light(
     counts: &mut FailureCounts,
     weight: fn(Vec3<f32>, Vec3<f32>, Vec3<f32>) -> Option<f32>,
 ) {
-    const SIDE: usize = 16;
     let [ng, ns] = tilted(rng, degrees);
-    let (mut passed, mut below) = (0.0, false);
-    for cell in 0..SIDE * SIDE {
-        let within = |at: usize, rng: &mut Rng| ((at as f64 + rng.unit()) / SIDE as f64) as f32;
-        let (u, v) = (within(cell % SIDE, rng), within(cell / SIDE, rng));
-        let w = diffuse::sample(ns, u.min(1.0 - f32::EPSILON), v.min(1.0 - f32::EPSILON)).wi;
+    let cos = ns.dot(ng);
+    let horizon = (ns - ng * cos).normalize() + ng * (1e-3 * (1.0 - cos * cos).sqrt());
+    let (mut passed, mut failed) = (0.0, weight(horizon, ns, ng).is_some_and(|weight| weight > 0.1));
+    let numbers = stratified(rng);
+    for &(u, v) in &numbers {
+        let w = diffuse::sample(&LobeNormals::flat(ns), u, v).wi;
         if let Some(weight) = weight(w, ns, ng) {
             passed += f64::from(weight);
-            below |= w.get(0).as_dvec3().dot(ng.get(0).as_dvec3()) <= 0.0;
+            failed |= w.get(0).as_dvec3().dot(ng.get(0).as_dvec3()) <= 0.0;
         }
     }
-    if below { counts.record(true) } else { counts.record_error(1.0 - passed / (SIDE * SIDE) as f64) }
+    let share = numbers.len() as f64 * f64::midpoint(1.0, f64::from(cos));
+    if failed { counts.record(true) } else { counts.record_error(1.0 - passed / share) }
 }
 
-/// `bend` computes the normal for reflection from the arriving direction, the shading and the geometric
-/// normal. Directions arrive from all angles above the surface, from perpendicular to grazing with a cosine
-/// of 1e-4: below 2e-6, rounding decides the side, and rays end there.
-fn mirror(
-    rng: &mut Rng,
-    degrees: f64,
-    counts: &mut FailureCounts,
-    bend: fn(Vec3<f32>, Vec3<f32>, Vec3<f32>) -> Vec3<f32>,
-) {
+/// A treatment of the arriving direction and the shading and the geometric normal, given what samples the lobe
+/// about a normal.
+type Glossy = fn(Vec3<f32>, [Vec3<f32>; 2], &dyn Fn(Vec3<f32>) -> BsdfSample<f32>) -> BsdfSample<f32>;
+
+/// Directions arrive from all angles above the surface, down to grazing ones.
+fn glossy_light(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, treat: Glossy) {
     let [ng, ns] = tilted(rng, degrees);
     let n = ng.get(0).as_dvec3();
     let along = n.cross(rng.direction()).normalize();
-    let d = (along - n * rng.scale(1e-4, 1e2)).normalize();
-    let d = Vec3::splat(d.as_vec3());
-    let reflected = d.reflect(bend(d, ns, ng)).get(0);
-    // NaN is not above.
-    let above = reflected.as_dvec3().dot(n) > 0.0;
-    counts.record(!above);
+    let d = Vec3::splat((along - n * rng.scale(1e-2, 1e2)).normalize().as_vec3());
+    let alpha = rng.scale(1e-3, 0.3) as f32;
+    let (mut passed, mut expected, mut below) = (0.0, 0.0, false);
+    for (u, v) in stratified(rng) {
+        let sample = treat(d, [ns, ng], &|n| ggx::sample(d, n, alpha, u, v));
+        expected += f64::from(Albedo::of(-d.dot(normals::facing(d, ns, ng)), alpha).white);
+        if sample.alive {
+            passed += f64::from(sample.weight);
+            // 2⁻²⁰: rounding.
+            below |= sample.wi.get(0).as_dvec3().dot(n) <= -1e-6;
+        }
+    }
+    if below { counts.record(true) } else { counts.record_error(1.0 - passed / expected) }
 }

@@ -217,14 +217,6 @@ mod tests {
         (film, traced)
     }
 
-    #[test]
-    fn trace_adds_exactly_the_samples_asked_for() {
-        for samples in [1, 2, 3, 7, 100] {
-            let (film, traced) = traced(|_| 0, Limits { samples, target: None, time: None });
-            assert_eq!((film.samples(), film.most_samples(), traced.end), (samples, samples, End::Samples));
-        }
-    }
-
     /// All pixels have equal samples, unless a busy machine held the last chunk up for longer than its grace.
     #[test]
     fn trace_evens_out_what_it_resumes() {

@@ -49,11 +49,6 @@ impl Operator {
 }
 
 impl Tone {
-    /// The eight-bit sRGB values of one pixel.
-    pub fn pixel(&self, radiance: [f32; 3]) -> [u8; 3] {
-        let scale = self.exposure.exp2();
-        radiance.map(|channel| srgb_byte(self.operator.map(channel * scale)))
-    }
 
     /// The eight-bit sRGB values of pixels in a window's format, 0x00RRGGBB.
     pub fn words(&self, pixels: &[[f32; 3]], words: &mut [u32]) {
@@ -164,13 +159,6 @@ mod tests {
     }
 
     #[test]
-    fn srgb_byte_inverts_srgb_decode() {
-        for value in 0..=255_u8 {
-            assert_eq!(srgb_byte(srgb_decode(f64::from(value) / 255.0) as f32), value);
-        }
-    }
-
-    #[test]
     fn operators_rise_from_black_to_white() {
         for operator in Operator::ALL {
             assert_eq!(operator.map(0.0), 0.0);
@@ -193,24 +181,5 @@ mod tests {
             assert!(operator.map(f32::INFINITY) > 0.999);
             assert!(operator.map(f32::MAX) > 0.999);
         }
-    }
-
-    #[test]
-    fn words_and_bytes_hold_the_same() {
-        let picture = Picture { width: 2, height: 1, pixels: vec![[0.1, 0.5, 2.0], [1.0, 0.0, 0.02]] };
-        let tone = Tone { exposure: -0.7, operator: Operator::Aces };
-        let mut words = [u32::MAX; 2];
-        tone.words(&picture.pixels, &mut words);
-        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()[1..].to_vec()).collect();
-        assert_eq!(bytes, tone.bytes(&picture));
-        assert!(words.iter().all(|word| word >> 24 == 0));
-    }
-
-    #[test]
-    fn exposure_doubles_at_each_stop() {
-        let tone = Tone { exposure: 1.0, operator: Operator::Clamp };
-        assert_eq!(tone.pixel([0.1, 0.2, 0.3]), Tone::default().pixel([0.2, 0.4, 0.6]));
-        let tone = Tone { exposure: -1.0, operator: Operator::Clamp };
-        assert_eq!(tone.pixel([2.0, 1.0, 0.5]), Tone::default().pixel([1.0, 0.5, 0.25]));
     }
 }

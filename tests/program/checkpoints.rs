@@ -146,6 +146,8 @@ fn checkpoint_of_something_else_is_refused_and_kept() {
         ("scene.json --samples 4 --sampler random", "sampler: sobol, and here random"),
         ("scene.json --samples 4 --clamp 0.5", "clamp: none, and here 0.5"),
         ("scene.json --samples 4 --sphere naive", "sphere: robust, and here naive"),
+        ("scene.json --samples 4 --triangle moller-trumbore", "triangle: woop, and here moller-trumbore"),
+        ("scene.json --samples 4 --lights off", "lights: auto, and here off"),
         ("scene.json --target-error 0.1", "target: none, and here [0.1,16,16384]"),
     ] {
         desk.refuses(&with(more), &["`c.part`", "another picture", words]);

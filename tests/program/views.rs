@@ -58,6 +58,9 @@ fn options_win_over_the_view() {
     let of_view = report("");
     assert_eq!(figures(&of_view), [3, 4_000_000_000, 13, 4]);
     assert!((number(&of_view["clamp"]) - 0.61).abs() < 1e-7);
+    // Those that change no bit.
+    let ways = ["traversal", "pipeline"].map(|key| &of_view["settings"][key]);
+    assert_eq!(ways, ["linear", "general"], "{of_view}");
     let given = report("--samples 2 --seed 7 --clamp 5 --size 8x8 --bounces 1");
     assert_eq!((figures(&given), &given["clamp"]), ([2, 7, 8, 1], &json!(5.0)));
     // The view's three samples do not end what another limit is to end.

@@ -125,7 +125,9 @@ fn hdr_holds_radiance_to_half_a_step() {
     for width in [7, 200] {
         let wide = picture(width, 40, |x, y| {
             let x = x as f32 / width as f32;
-            [(y as f32 - 20.0).exp2(), (y as f32 - 20.0).exp2() * x, if y % 3 == 0 { 0.0 } else { 1.0 }]
+            // From 2⁻¹¹⁸ to 2¹¹².
+            let largest = (5.9 * (y as f32 - 20.0)).exp2();
+            [largest, largest * x, if y % 3 == 0 { 0.0 } else { 1.0 }]
         });
         let tone = Tone { exposure: -2.0, operator: Operator::Reinhard };
         for (before, after) in wide.pixels.iter().zip(hdr(&wide, &tone).chunks(3)) {

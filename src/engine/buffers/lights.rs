@@ -367,25 +367,3 @@ impl AliasTable {
         Self { threshold, alias }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn alias_tables_give_each_its_share() {
-        for shares in [vec![1.0], vec![0.5, 0.5], vec![0.7, 0.1, 0.2], vec![0.001, 0.002, 0.003, 0.994]] {
-            let AliasTable { threshold, alias } = AliasTable::new(&shares);
-            let mut given = vec![0.0; shares.len()];
-            for slot in 0..shares.len() {
-                let width = 1.0 / shares.len() as f64;
-                let own = f64::from(f32::from_bits(threshold[slot]));
-                given[slot] += width * own;
-                given[alias[slot] as usize] += width * (1.0 - own);
-            }
-            for (given, share) in given.iter().zip(&shares) {
-                assert!((given - share).abs() < 1e-7, "{given} of {share}");
-            }
-        }
-    }
-}

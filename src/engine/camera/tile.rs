@@ -63,17 +63,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_each_pixel_once() {
-        for [width, height] in [[16, 16], [16, 7], [10, 5], [3, 3], [1, 9], [64, 4], [5, 51]] {
-            let tile = Tile { number: 0, x: 32, y: 7, width, height };
-            let mut places: Vec<_> = tile.places().collect();
-            places.sort_by_key(|&[x, y]| (y, x));
-            let rows = (7..7 + height).flat_map(|y| (32..32 + width).map(move |x| [x, y]));
-            assert!(places.into_iter().eq(rows), "{width}×{height}");
-        }
-    }
-
-    #[test]
     fn sixteen_pixels_of_a_full_tile_are_a_block() {
         let tile = Tile { number: 0, x: 0, y: 0, width: 16, height: 16 };
         let places: Vec<_> = tile.places().collect();

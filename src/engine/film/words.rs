@@ -99,32 +99,6 @@ mod tests {
     }
 
     #[test]
-    fn restored_tiles_go_on_as_if_nothing_had_happened() {
-        for noise in [false, true] {
-            let empty = || {
-                let film = Film::new([21, 9], [16, 16]);
-                if noise { film.with_noise() } else { film }
-            };
-            let (mut whole, mut first, mut second) = (empty(), empty(), empty());
-            add_samples(&mut whole, 0..19);
-            add_samples(&mut first, 0..10);
-            for (from, to) in first.tiles.iter().zip(&mut second.tiles) {
-                let mut words = Vec::new();
-                from.words_into(&mut words);
-                to.restore(from.samples, from.has_discarded(), &words);
-            }
-            add_samples(&mut second, 10..19);
-            assert!(whole.discarded() > 0);
-            for (whole, second) in whole.tiles.iter().zip(&second.tiles) {
-                let [mut expected, mut found] = [vec![], vec![]];
-                whole.words_into(&mut expected);
-                second.words_into(&mut found);
-                assert_eq!((whole.samples, expected), (second.samples, found));
-            }
-        }
-    }
-
-    #[test]
     fn kept_tiles_are_the_only_ones_that_count() {
         let mut film = Film::new([40, 16], [16, 16]);
         film.keep_tiles(|number| number != 1);

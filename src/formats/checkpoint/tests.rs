@@ -2,11 +2,9 @@
 
 use super::file::write;
 use super::*;
-use octray_engine::buffers::LightChoice;
 use octray_engine::film::Film;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::tone::Tone;
-use octray_engine::traverse::{SphereChoice, TraversalChoice, TriangleChoice};
 use std::path::Path;
 
 const SHARD: Shard = Shard { number: 2, of: 3 };
@@ -153,20 +151,4 @@ fn discarded_samples_are_kept() {
     let sum = crc32fast::hash(&bytes[..end]);
     bytes[end..].copy_from_slice(&sum.to_le_bytes());
     assert!(read(&bytes).is_err_and(|error| error.to_string().contains("tile 1 cannot be read")));
-}
-
-#[test]
-fn methods_that_change_bits_are_recorded() {
-    let scene = crate::scene::load("builtin:three").unwrap();
-    let plain = Settings::of(&scene);
-    let differ = |change: fn(&mut Settings)| {
-        let mut other = plain;
-        change(&mut other);
-        Recorded::of(&plain, None) != Recorded::of(&other, None)
-    };
-    assert!(differ(|settings| settings.methods.sphere = SphereChoice::Naive));
-    assert!(differ(|settings| settings.methods.triangle = TriangleChoice::MollerTrumbore));
-    assert!(differ(|settings| settings.methods.lights = LightChoice::Off));
-    assert!(!differ(|settings| settings.methods.traversal = TraversalChoice::Linear));
-    assert!(!differ(|settings| settings.lanes = if settings.lanes == 1 { 8 } else { 1 }));
 }

@@ -193,21 +193,3 @@ pub fn data_fault(path: &str, message: &str) -> (String, String) {
     };
     (message, mend)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn json_path_finds_line_and_column_past_strings_nested_values_and_escapes() {
-        let text =
-            "{ \"a,{\": [1, {\"x\": \"]\\\"\"}, 3],\n  \"b\\u0041\": [\n [0], [1, -2.5e3] ], \"c\": true }";
-        let source = Source { file: Path::new("x.json"), text };
-        let root = source.root();
-        let at = |place: &JsonPath| String::from(place.error("", "").at.unwrap());
-        assert_eq!(at(&root.key("a,{").item(2)), "a,{[2], line 1, column 28");
-        assert_eq!(at(&root.key("bA").item(1).item(1)), "bA[1][1], line 3, column 11");
-        assert_eq!(at(&root.key("c")), "c, line 3, column 27");
-        assert_eq!(at(&root.key("missing")), "missing");
-    }
-}

@@ -96,20 +96,3 @@ pub fn relative(beside: &Path, file: &str, folder: &Path) -> String {
     let down = target.components().skip(shared).map(|part| part.as_os_str().to_string_lossy().into_owned());
     up.chain(down).collect::<Vec<_>>().join("/")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn number_reads_back_as_the_same_bits_at_any_magnitude() {
-        // Every bit pattern at a stride that is a large prime: all exponents, many fractions.
-        for bits in (0..u32::MAX).step_by(104_729) {
-            let x = f32::from_bits(bits);
-            if x.is_finite() {
-                let read: f64 = serde_json::from_str(&number(x)).unwrap();
-                assert_eq!((read as f32).to_bits(), bits, "{x:e} written as {}", number(x));
-            }
-        }
-    }
-}

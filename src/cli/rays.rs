@@ -115,7 +115,7 @@ impl Options {
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     terminal::warn_of_debug_build("rays SCENE");
     let out = Printer { json: options.json };
-    let scene = scenes::load_with_warnings(&options.scene)?;
+    let scene = scenes::load_with_warnings(&options.scene, false)?;
     let camera = scene.overview().ok_or_else(|| SceneError::no_overview(&scene))?;
     if let Some(folder) = &options.dump {
         let files = ray_dump::files(folder);

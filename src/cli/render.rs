@@ -35,7 +35,7 @@ use std::process::ExitCode;
 pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     // Outputs are checked before hours of rendering.
     let jobs = jobs(&options)?;
-    let scene = scenes::load_with_warnings(&options.scene)?;
+    let scene = scenes::load_with_warnings(&options.scene, false)?;
     keep_files(&jobs, &scene.files)?;
     let cameras = cameras(&options, &jobs, &scene)?;
     let limits = options.limits.limits(of_view(&scene).samples)?;

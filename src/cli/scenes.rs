@@ -16,8 +16,7 @@ pub fn load(name: &OsStr) -> Result<Loaded, CliError> {
     load_as(name, false)
 }
 
-/// Loads a scene by name; if `unrounded`, for the reference.
-pub fn load_as(name: &OsStr, unrounded: bool) -> Result<Loaded, CliError> {
+fn load_as(name: &OsStr, unrounded: bool) -> Result<Loaded, CliError> {
     let scene = scene::load_as(name, unrounded)?;
     let view = of_view(&scene);
     check(&scene, "samples", view.samples, samples)?;
@@ -38,14 +37,11 @@ fn check<T: Display>(
     parse(&text).map(drop).map_err(fault)
 }
 
-/// Loads a scene by name, and prints its warnings.
-pub fn load_with_warnings(name: &OsStr) -> Result<Loaded, CliError> {
-    load(name).inspect(print_warnings)
-}
-
-/// Prints the warnings of a scene.
-pub fn print_warnings(scene: &Loaded) {
+/// Loads a scene by name, if `unrounded` for the reference, and prints its warnings.
+pub fn load_with_warnings(name: &OsStr, unrounded: bool) -> Result<Loaded, CliError> {
+    let scene = load_as(name, unrounded)?;
     scene.warnings.iter().for_each(|warning| terminal::warn(warning));
+    Ok(scene)
 }
 
 /// The names given, or those of `built_in` scenes if none is given.

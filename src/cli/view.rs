@@ -188,7 +188,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         let what = format!("there is no file or folder `{}`", path.display());
         return refuse(&what, "name a scene, a model, a folder of them, or builtin:NAME");
     }
-    let first = scenes::load_with_warnings(name)?;
+    let first = scenes::load_with_warnings(name, false)?;
     options.picture.methods.check(&options.picture.methods(&first))?;
     memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
     let in_terminal = options.terminal || !cfg!(feature = "window");

@@ -24,11 +24,6 @@
 //! half the speed or less. Put `rustflags = ["-C", "target-cpu=native"]` under `[build]` into
 //! `.cargo/config.toml` of your package; [`lane::INSTRUCTIONS`] says what was compiled for.
 //!
-//! ```
-//! use octray_engine::lane::{FUSED, INSTRUCTIONS};
-//! assert_eq!(FUSED, ["AVX-512", "AVX2 with FMA"].contains(&INSTRUCTIONS));
-//! ```
-//!
 //! # Modules
 //! Each imports only from those above it.
 //!

@@ -532,3 +532,8 @@ fn floor_and_rounding_agree_with_std() {
         }
     }
 }
+
+#[test]
+fn users_of_the_library_can_ask_what_it_was_compiled_for() {
+    assert_eq!(octray::lane::INSTRUCTIONS.starts_with("AVX"), octray::lane::FUSED);
+}

@@ -138,7 +138,8 @@ fn cameras_far_from_the_origin_are_warned_of() {
 #[test]
 fn views_far_from_zero_read_back_as_they_were_written() {
     let folder = Folder::new();
-    let keys = r#""camera": { "position": [447321.31, -0.2, -5411870.1], "look_at": [447325.9, 0, -5411873.77] }"#;
+    let keys =
+        r#""camera": { "position": [447321.31, -0.2, -5411870.1], "look_at": [447325.9, 0, -5411873.77] }"#;
     let text = format!(
         r#"{{ "format": "octray-1", {keys}, "spheres": [{{ "center": [447325,4,-5411873], "radius": 1 }}] }}"#
     );

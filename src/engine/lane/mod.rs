@@ -32,12 +32,10 @@ pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
 pub const FUSED: bool = cfg!(target_feature = "fma");
 
 /// The vector instructions that are compiled for: see the package's first page.
-pub const INSTRUCTIONS: &str = if cfg!(target_feature = "avx512f") {
-    "AVX-512"
-} else if cfg!(all(target_feature = "avx2", target_feature = "fma")) {
-    "AVX2 with FMA"
-} else {
-    "the target's least, at half the speed or less"
+pub const INSTRUCTIONS: &str = match (NATIVE_WIDTH, cfg!(target_feature = "avx2") && FUSED) {
+    (16, _) => "AVX-512",
+    (_, true) => "AVX2 with FMA",
+    (_, false) => "the least that its target has: slow",
 };
 
 /// The widths that pictures are rendered with, in ascending order: up to one vector of the instruction set

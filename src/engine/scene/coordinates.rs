@@ -8,11 +8,6 @@ pub const MAX_COORDINATE: f64 = (1_u64 << 40) as f64;
 /// Sizes from 1 over this to this need no other unit.
 const USUAL: f64 = (1_u64 << 16) as f64;
 
-/// The largest power of two up to a normal number above 0.
-pub fn floor_to_power_of_two(x: f64) -> f64 {
-    f64::from_bits(x.to_bits() & !((1 << (f64::MANTISSA_DIGITS - 1)) - 1))
-}
-
 /// Where the coordinates of a scene stand in its file. A file's are read in double precision and rounded to
 /// single precision relative to an origin: so a scene may stand anywhere, and have any size. Translations
 /// that double precision holds, and scaling by powers of two, change no bit of its film.
@@ -35,7 +30,8 @@ impl Coordinates {
     /// Those of a scene of about this size around this point.
     pub fn around(origin: DVec3, size: f64) -> Self {
         let is_usual = !size.is_normal() || (1.0 / USUAL..=USUAL).contains(&size);
-        Self { origin, unit: if is_usual { 1.0 } else { floor_to_power_of_two(size) } }
+        let without_fraction = f64::from_bits(size.to_bits() & !((1 << (f64::MANTISSA_DIGITS - 1)) - 1));
+        Self { origin, unit: if is_usual { 1.0 } else { without_fraction } }
     }
     /// A point of the file in the scene.
     pub fn to_scene(&self, point: DVec3) -> DVec3 {

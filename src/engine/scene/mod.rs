@@ -10,7 +10,7 @@ mod model;
 mod texture;
 
 pub use camera::{Camera, CameraFault, MIN_LENGTH};
-pub use coordinates::{Coordinates, MAX_COORDINATE, floor_to_power_of_two};
+pub use coordinates::{Coordinates, MAX_COORDINATE};
 pub use material::{Material, MaterialKind};
 pub use model::*;
 pub use texture::{Filter, TexelKind, Texels, Texture, srgb_to_linear};

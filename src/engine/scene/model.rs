@@ -54,7 +54,7 @@ pub struct Scene {
     pub files: Vec<PathBuf>,
 }
 
-/// What a scene's file says of its primitives' geometry, in the scene's [`Coordinates`] but in double precision.
+/// The geometry of a scene's primitives as its file has it: in the scene's [`Coordinates`], not rounded.
 #[derive(Clone, Debug, Default)]
 pub struct Unrounded {
     /// Centres and radii.

@@ -51,9 +51,9 @@ impl Tracer {
         Self::default()
     }
 
-    /// Improves the hits of rays in the coordinates of the scene's file. Directions may have any length above 0,
-    /// in which `t` counts. A ray ends at its t_max ([`Rays::until`]), or at the `t` that its hit comes with if
-    /// that is less. Otherwise as [`Tracer::trace_in_scene`], for which it copies the rays.
+    /// Improves the hits of rays in the coordinates of the scene's file. Directions may have any length above
+    /// 0, in which `t` counts. A ray ends at its t_max ([`Rays::until`]), or at the `t` that its hit comes
+    /// with if that is less. Otherwise as [`Tracer::trace_in_scene`], for which it copies the rays.
     pub fn trace<const ANY: bool>(
         &mut self,
         traversal: Traversal,
@@ -62,24 +62,22 @@ impl Tracer {
         hits: &mut Hits,
         counter: Option<&Counter>,
     ) {
-        let mut columns = [const { Vec::new() }; 6];
-        let mut ends = Vec::new();
+        let (mut columns, mut ends) = ([const { Vec::new() }; 6], Vec::new());
         for at in 0..rays.len() {
             let Ray { origin, direction } = rays.packet::<f32>(at);
             let origin = hierarchy.coordinates.to_scene(origin.get(0).into()).as_vec3().to_array();
             let direction = direction.get(0).as_dvec3();
             let length = Some(direction.length()).filter(|length| (length - 1.0).abs() > 1e-6).unwrap_or(1.0);
-            let unit = (direction / length).as_vec3().to_array();
-            columns.iter_mut().zip(origin.into_iter().chain(unit)).for_each(|(column, x)| column.push(x));
-            let (t, t_max) = (hits.t[at], rays.t_max::<f32>(at));
-            let (end, scale) = (if t_max > t { t } else { t_max }, length / hierarchy.coordinates.unit);
+            let of_ray = origin.into_iter().chain((direction / length).as_vec3().to_array());
+            columns.iter_mut().zip(of_ray).for_each(|(column, x)| column.push(x));
+            let (end, scale) = (rays.t_max::<f32>(at), length / hierarchy.coordinates.unit);
+            let end = if end > hits.t[at] { hits.t[at] } else { end };
             // A NaN, as of a direction of length 0, is no hit.
             hits.t[at] = if length > 0.0 { (f64::from(end) * scale) as f32 } else { f32::NAN };
             ends.push((end, hits.t[at], scale));
         }
-        let [x, y, z, along_x, along_y, along_z] = &columns;
-        let in_scene = Rays::new([x, y, z], [along_x, along_y, along_z]);
-        self.trace_in_scene::<ANY>(traversal, hierarchy, &in_scene, hits, counter);
+        let [x, y, z, dx, dy, dz] = &columns;
+        self.trace_in_scene::<ANY>(traversal, hierarchy, &Rays::new([x, y, z], [dx, dy, dz]), hits, counter);
         for (at, (end, before, scale)) in ends.into_iter().enumerate() {
             let is_new = hits.primitive[at] != MISS && hits.t[at] != before;
             hits.t[at] = if is_new { (f64::from(hits.t[at]) / scale) as f32 } else { end };

@@ -55,8 +55,8 @@ pub fn example(key: &str) -> Option<&'static str> {
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     pub format: String,
-    /// The point around which single precision is best. Missing: what the camera looks at, or else its
-    /// position, or else a point of the scene.
+    /// The point around which single precision is best. Missing: where the camera stands, or a point of the
+    /// scene that it shows.
     pub origin: Option<[f64; 3]>,
     /// Missing: a camera that frames the whole scene.
     pub camera: Option<CameraFile>,

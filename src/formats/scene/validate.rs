@@ -19,7 +19,6 @@ use super::spelling::nearest;
 use glam::{DVec3, Vec3};
 use octray_engine::scene::{
     Camera, Coordinates, MAX_COORDINATE, MIN_LENGTH, MaterialKind, Scene, Side, Sky, Sphere,
-    floor_to_power_of_two,
 };
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -226,8 +225,8 @@ pub fn camera_of(
 }
 
 /// The point that a camera looks at, or another on the same line of sight, of which only the direction counts.
-/// A point far beyond the scene, or so near that rounding would turn the line, is moved to a few distances of
-/// the scene's primitives: by a power of two, so that all such points of a line become the same.
+/// Where a point is far beyond the scene, or so near that rounding would turn the line, it is one at a few
+/// distances of the scene's primitives: the same for all such points of a line.
 fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
     let (from, (lower, upper)) = (position.as_dvec3(), scene.bounds());
     let (sight, from_origin) = (look_at - from, from.length());
@@ -236,8 +235,7 @@ fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
         return look_at.as_vec3();
     }
     let farthest = scene.all_primitives().map(|one| one.distance(from)).fold(from_origin, f64::max);
-    let distance = 4.0 * floor_to_power_of_two(if farthest > 0.0 { farthest } else { reach });
-    position + (sight / sight.abs().max_element()).as_vec3() * distance as f32
+    (from + sight.normalize() * if farthest > 0.0 { 2.0 * farthest } else { reach }).as_vec3()
 }
 
 #[derive(Default)]

@@ -58,8 +58,8 @@ impl FrameOptions {
         if self.as_scene { Ok(()) } else { memory::check(self.size, bytes_per_pixel) }
     }
 
-    /// Loads a scene for the reference, with its warnings, checks the memory of its own size, and says where a
-    /// method tests every primitive.
+    /// Loads a scene for the reference, with its warnings, checks the memory of its own size, and says where
+    /// a method tests every primitive.
     pub fn load(&self, name: &OsStr, bytes_per_pixel: usize) -> Result<(Loaded, Settings), CliError> {
         let scene = scenes::load_with_warnings(name, true)?;
         let settings = self.checked(&scene, bytes_per_pixel)?;

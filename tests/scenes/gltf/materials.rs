@@ -197,14 +197,21 @@ fn vertex_colours_may_be_three_floats_and_end_at_one() {
     }
 }
 
+/// A black picture.
+const BLACK: &str = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAQAAAAECAIAAAAmkwkpAAAADElEQVR4nGNgIB0AAAA0AAF2Xq7DAAAA\
+                     AElFTkSuQmCC";
+
 #[test]
 fn glass_is_what_transmits_and_is_no_metal() {
     let of = |pbr: Value, transmission: &Value, ior: f64| {
         let (json, binary) = pictured(|json| {
             json["materials"][0]["pbrMetallicRoughness"] = pbr;
             json["materials"][0]["extensions"] = json!({
-                "KHR_materials_transmission": transmission, "KHR_materials_ior": { "ior": ior }
+                "KHR_materials_transmission": transmission, "KHR_materials_ior": { "ior": ior },
+                "KHR_materials_volume": { "thicknessFactor": 1, "thicknessTexture": { "index": 2 } }
             });
+            let black = push(json, "images", json!({ "uri": BLACK }));
+            push(json, "textures", json!({ "source": black }));
         });
         let scene = read_with(&json, &binary).unwrap().scene;
         (scene.materials[0].clone(), scene.warnings)

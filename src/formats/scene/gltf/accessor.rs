@@ -139,7 +139,7 @@ impl<'a> Accessors<'a> {
         if stride < size {
             return Err(broken(
                 place,
-                format!("its elements of {size} bytes overlap: one begins every {stride}"),
+                format!("its elements of {size} bytes overlap: one begins every {stride} bytes"),
             ));
         }
         // The last element needs no stride.

@@ -116,23 +116,23 @@ impl Document<'_> {
         user: &JsonPath,
     ) -> Result<&'l T, SceneError> {
         list.at(index).ok_or_else(|| {
-            let missing = || broken(user, format!("there is no {name}[{index}]"));
+            let missing = || broken(user, format!("there is no `{name}[{index}]`"));
             fault::<T>(&self.source.root().key(name).item(index)).unwrap_or_else(missing)
         })
     }
     /// Returns a buffer view and its bytes, or what is wrong.
     pub fn view(&self, index: usize) -> Result<(&View, &[u8]), String> {
-        let broken = |what: &str| format!("{what} is missing, or not as glTF has it");
+        let broken = |what: &str| format!("`{what}` is missing, or not as glTF has it");
         let view =
             self.root.buffer_views.at(index).ok_or_else(|| broken(&format!("bufferViews[{index}]")))?;
         let name = format!("buffers[{}]", view.buffer.0);
         let buffer = self.root.buffers.at(view.buffer.0).ok_or_else(|| broken(&name))?;
-        let content = self.buffers[view.buffer.0].as_ref().map_err(|why| format!("{name}.uri: {why}"))?;
+        let content = self.buffers[view.buffer.0].as_ref().map_err(|why| format!("`{name}.uri`: {why}"))?;
         if content.len() < buffer.byte_length.0 {
-            return Err(format!("{name} has {} bytes, not {}", content.len(), buffer.byte_length.0));
+            return Err(format!("`{name}` has {} bytes, not {}", content.len(), buffer.byte_length.0));
         }
         let bytes = content.get(view.byte_offset.0..).and_then(|rest| rest.get(..view.byte_length.0));
-        Ok((view, bytes.ok_or_else(|| format!("bufferViews[{index}] reaches beyond its buffer"))?))
+        Ok((view, bytes.ok_or_else(|| format!("`bufferViews[{index}]` reaches beyond its buffer"))?))
     }
 }
 

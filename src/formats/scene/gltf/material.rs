@@ -69,6 +69,8 @@ struct Transmission {
     varies: bool,
     /// Whether it is rough anywhere.
     is_rough: bool,
+    /// Whether it is thick anywhere.
+    is_volume: bool,
 }
 
 impl<'a> Materials<'a> {
@@ -90,7 +92,7 @@ impl<'a> Materials<'a> {
         let document = self.document;
         let added = match index {
             None => {
-                let material = plain(&MaterialFile::default(), "default".into(), 0.0);
+                let material = plain(&MaterialFile::default(), "default".into(), &Transmission::default());
                 Added { number: builder.add_material(material, 1.0), uv_map: TextureTransform::default() }
             }
             Some(index) => {
@@ -122,11 +124,14 @@ impl<'a> Materials<'a> {
         };
         let [_, rough, metal] = ranges(&pbr.metallic_roughness_texture).unwrap_or([[1.0; 3]; 3]);
         let [clear, ..] = ranges(&extension.transmission_texture).unwrap_or([[1.0; 3]; 3]);
+        let volume = &file.extensions.volume;
+        let [_, thick, _] = ranges(&volume.thickness_texture).unwrap_or([[1.0; 3]; 3]);
         let metal = metal.map(|texel| texel * f64::from(fraction(pbr.metallic_factor)));
         Transmission {
             share: extension.transmission_factor * clear[1] * (1.0 - metal[1]),
             varies: clear[0] < clear[2] || metal[0] < metal[2],
             is_rough: rough[2] * pbr.roughness_factor.unwrap_or(1.0) > 0.0,
+            is_volume: thick[2] * volume.thickness_factor > 0.0,
         }
     }
 
@@ -136,7 +141,7 @@ impl<'a> Materials<'a> {
         let place = list.item(index);
         let name = file.name.0.clone().unwrap_or_else(|| format!("material {index}"));
         let transmission = self.transmission(file, &place, builder);
-        let mut material = plain(file, name, transmission.share);
+        let mut material = plain(file, name, &transmission);
         note_ignored(file, material.kind, &transmission, &place, &mut builder.notes);
         let references = references(file);
         let first = references.into_iter().flatten().next();
@@ -175,8 +180,8 @@ fn fraction(factor: Option<f64>) -> f32 {
     factor.unwrap_or(1.0).clamp(0.0, 1.0) as f32
 }
 
-/// The material without its textures, which transmits this share of light.
-fn plain(file: &MaterialFile, name: String, transmission: f64) -> Material {
+/// The material without its textures.
+fn plain(file: &MaterialFile, name: String, transmission: &Transmission) -> Material {
     let (pbr, extensions) = (&file.pbr_metallic_roughness, &file.extensions);
     let [r, g, b, _] = pbr.base_color_factor.unwrap_or([1.0; 4]).map(|x| fraction(Some(x)));
     let color = Vec3::new(r, g, b);
@@ -188,11 +193,10 @@ fn plain(file: &MaterialFile, name: String, transmission: f64) -> Material {
         0.0 => 1e6,
         ior => ior.clamp(1.0, 1e6),
     } as f32;
-    let is_solid = extensions.volume.thickness_factor > 0.0;
     let (kind, color, emission) = if extensions.unlit.is_some() {
         (MaterialKind::Emitter, Vec3::ONE, color)
-    } else if transmission > CLEAR {
-        match is_solid {
+    } else if transmission.share > CLEAR {
+        match transmission.is_volume {
             true => (MaterialKind::Glass { ior }, color.map(f32::sqrt), emitted),
             false => (MaterialKind::ThinGlass { ior }, color, emitted),
         }
@@ -225,7 +229,7 @@ fn note_ignored(
     if file.occlusion_texture.is_some() {
         notes.add(&place.key("occlusionTexture"), "occlusion is left out: paths find it themselves");
     }
-    let (extensions, &Transmission { share, varies, is_rough }) = (place.key("extensions"), transmission);
+    let (extensions, &Transmission { share, varies, is_rough, .. }) = (place.key("extensions"), transmission);
     let is_thin = matches!(kind, MaterialKind::ThinGlass { .. });
     let is_volume = matches!(kind, MaterialKind::Glass { .. });
     let is_glass = is_thin || is_volume;

@@ -112,7 +112,7 @@ optional! {
     Extension {
         ior: Option<f64>, emissive_strength: Option<f64>, transmission_factor: f64,
         transmission_texture: Option<TextureInfo>, thickness_factor: f64,
-        attenuation_distance: Option<IgnoredAny>,
+        thickness_texture: Option<TextureInfo>, attenuation_distance: Option<IgnoredAny>,
     }
     TextureExtensions { #[serde(rename = "KHR_texture_transform")] transform: TextureTransform }
 }

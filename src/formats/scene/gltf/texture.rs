@@ -76,7 +76,7 @@ pub fn load(
     builder: &mut SceneBuilder,
 ) -> Option<u32> {
     let Some(file) = document.root.textures.at(texture) else {
-        builder.notes.add(place, format!("there is no textures[{texture}]"));
+        builder.notes.add(place, format!("there is no `textures[{texture}]`"));
         return None;
     };
     let root = document.source.root();

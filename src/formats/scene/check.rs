@@ -5,6 +5,7 @@
 
 use super::error::SceneError;
 use super::json::JsonPath;
+use super::write::point_in_file;
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::{
     Camera, Coordinates, MAX_BOUNCES, MAX_COORDINATE, MAX_SIDE, MIN_LENGTH, Primitive, Scene,
@@ -54,7 +55,7 @@ pub fn warn_of_size(scene: &Scene, cameras: &[Camera]) -> Option<String> {
     let view = |camera: &Camera| f64::from(camera.position.distance(camera.look_at));
     let rounding = |camera: &Camera| f64::from(camera.look_at.abs().max_element() * f32::EPSILON);
     if let Some(far) = cameras.iter().find(|camera| rounding(camera) > view(camera) * MOST_ROUNDING) {
-        let look_at = scene.coordinates.to_file(far.look_at.into());
+        let look_at = point_in_file(far.look_at, &scene.coordinates);
         return Some(format!(
             "What the camera looks at, {look_at}, is so far from the scene's origin, {}, that coordinates are rounded to \
              {:.1e} there: write a near point as `origin` into the scene's file.",

@@ -30,8 +30,8 @@ use std::{env, fs, iter};
 /// comparing included.
 const PER_SCENE: Duration = Duration::from_secs(2);
 /// Measuring time of the slowest engine of a program that another is compared with, in each of the rounds.
-const A_TURN: Duration = Duration::from_millis(500);
-const PROGRAM_ROUNDS: usize = 5;
+const A_TURN: Duration = Duration::from_millis(250);
+const PROGRAM_ROUNDS: usize = 10;
 /// Most measured frames.
 const MAX_FRAMES: u32 = 1_000_000;
 
@@ -115,9 +115,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let scenes = scenes::checked(&options.scenes, bench_names())?;
     let baseline = options.baseline.as_deref().map(baseline).transpose()?;
     // A program that cannot be used shows before anything is measured.
-    let program = options.against_program.as_deref();
+    let (program, probe) = (options.against_program.as_deref(), Instant::now());
     let other =
         program.map(|program| program_report(program, &scenes[0], &engines.words(), 1)).transpose()?;
+    let start = start + probe.elapsed();
     let settings = second.as_ref().map(|second| json(&second.run_settings()));
     let with = options.against.clone().or(program.map(|program| program.display().to_string()));
     let there = with.zip(settings.or(other.map(|report| report.settings)));

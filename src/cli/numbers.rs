@@ -1,6 +1,4 @@
 //! Value parsers of the command line's numbers. Their errors say what to give instead.
-//!
-//! For: one function a kind of number.
 
 use crate::scene::MAX_SIDE;
 use crate::tone::MAX_EXPOSURE;

@@ -1,6 +1,4 @@
 //! A pool of worker threads with thread-local memory.
-//!
-//! For: [`Threads`].
 
 use std::sync::{Arc, Mutex, MutexGuard};
 

@@ -1,7 +1,5 @@
 //! Reports of `octray bench` that were made before, or by another program, and the ratios of a new one to
 //! them.
-//!
-//! For: [`Baseline`], [`over_rounds`].
 
 use super::bench::{MeasuredScene, Over, Report, SCHEMA, table};
 use super::settings::{differences, in_words, json};

@@ -1,6 +1,4 @@
 //! What `octray bench` reports: frames per second, as two tables or as JSON.
-//!
-//! For: [`Report`].
 
 use super::numbers::{figure, mark, ratio};
 use super::settings::{Differences, RunSettings, differences, in_words, json, own_sizes, traversals};

@@ -1,6 +1,4 @@
 //! Numbers as text, in one style for all reports.
-//!
-//! For: [`figure`], [`bytes`], [`percent`], [`mark`], [`ratio`], [`times`], [`mrays_per_s`].
 
 use crate::measure::cores::Reliability;
 use crate::measure::timed::Ratio;

@@ -1,7 +1,5 @@
 //! How a run's figures are made: the settings, the machine and the build. A part of every JSON report, and a
 //! line of text.
-//!
-//! For: [`RunSettings`], [`differences`], [`traversals`], [`own_size`], [`own_sizes`].
 
 use super::text::paragraph;
 use crate::buffers::LightChoice;

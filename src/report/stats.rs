@@ -1,6 +1,4 @@
 //! The tables of `--stats`.
-//!
-//! For: [`frames`], [`meaning_of_frames`], [`rays`].
 
 use super::numbers::figure;
 use super::text::{paragraph, row};

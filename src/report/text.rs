@@ -1,6 +1,4 @@
 //! Text for terminals of ordinary width: paragraphs, rows of tables, the warning of a busy machine.
-//!
-//! For: [`paragraph`], [`item`], [`row`], [`busy`], [`if_doubtful`].
 
 use super::numbers::percent;
 use crate::measure::cores::Reliability;

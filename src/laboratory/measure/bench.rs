@@ -1,6 +1,4 @@
 //! Frames per second of SIMD and scalar renderers, in alternating rounds.
-//!
-//! For: [`bench()`].
 
 use super::cores::Reliability;
 use super::quantiles::Quantiles;

@@ -1,7 +1,5 @@
 //! Pins measuring threads to cores of their own, and finds what other programs took of their time.
 //!
-//! For: `on_own_cores`, [`Reliability`].
-//!
 //! A scheduler may leave two threads of a pool on one core for tens of milliseconds while another is idle.
 //!
 //! What others took is no guess from slow frames. A single thread never waits: others took its wall time

@@ -1,6 +1,4 @@
 //! Quantiles of measurements, and how many rounds to measure.
-//!
-//! For: `Quantiles`, [`Spread`], `Rounds`.
 
 use serde::Serialize;
 use std::time::Instant;

@@ -1,6 +1,4 @@
 //! The figures of `--stats`: time by stage, rays by kind, SIMD utilisation by bounce, tests per ray.
-//!
-//! For: [`FrameStats`] of rendering, [`RayStats`] of rays in prepared arrays.
 
 use super::ray_sets::Kind;
 use crate::integrate::stats::{RayKind, Segment, Stage, Stats};

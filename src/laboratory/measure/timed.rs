@@ -1,7 +1,5 @@
 //! Renderers timed in alternating rounds, so that other load on the machine affects all of them alike.
 //!
-//! For: `TimedRenderer`, its `Times`, and the [`Ratio`] of two of them.
-//!
 //! A *round* gives every renderer one *turn*; a turn is some frames of one renderer.
 
 use super::cores::{Reliability, on_own_cores};

@@ -1,6 +1,4 @@
 //! The traversals that trace a set of rays, on one thread or many.
-//!
-//! For: [`TraceMethod`], [`Accelerators`] (what every method traverses) and [`TracePool`].
 
 use super::ray_sets::{Answers, RaySet};
 use crate::lane::{NATIVE_WIDTH, Native};

@@ -49,7 +49,6 @@ impl Operator {
 }
 
 impl Tone {
-
     /// The eight-bit sRGB values of pixels in a window's format, 0x00RRGGBB.
     pub fn words(&self, pixels: &[[f32; 3]], words: &mut [u32]) {
         let scale = self.exposure.exp2();

@@ -38,9 +38,7 @@
 #![warn(missing_docs)]
 
 pub mod checkpoint;
-mod colorimetry;
 pub mod openexr;
 pub mod output;
-mod radiance;
 pub mod scene;
 pub mod wording;

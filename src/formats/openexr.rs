@@ -5,11 +5,13 @@
 //! Single-threaded: several threads would write blocks in the order of their completion, and two files of one
 //! picture would differ.
 
-use crate::colorimetry;
 use exr::meta::MetaData;
 use exr::prelude::*;
 use octray_engine::film::Picture;
 use std::io::{Cursor, Seek, Write};
+
+/// CIE x, y of red, green, blue and white.
+pub type Chromaticities = [[f32; 2]; 4];
 
 /// The first layer with red, green and blue channels, or else the first grey one, in the size of the file's
 /// display window; black outside the layer's data window. The primaries of its colours, if it names them. And
@@ -18,7 +20,7 @@ use std::io::{Cursor, Seek, Write};
 pub fn read(
     bytes: &[u8],
     most: u64,
-) -> std::result::Result<(Picture, Option<colorimetry::Chromaticities>, Vec<String>), String> {
+) -> std::result::Result<(Picture, Option<Chromaticities>, Vec<String>), String> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(fault)?;
     for header in &meta.headers {
         for size in [header.layer_size, header.shared_attributes.display_window.size] {

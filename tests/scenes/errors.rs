@@ -13,8 +13,8 @@ fn refuse(folder: &Path, text: impl AsRef<[u8]>) -> SceneError {
     error
 }
 
-/// Asserts that a scene text, beside a picture, is refused with these words in what is wrong, where, and how to
-/// mend it.
+/// Asserts that a scene text, beside a picture, is refused with these words in what is wrong, where, and how
+/// to mend it.
 #[track_caller]
 fn assert_refused(text: impl AsRef<[u8]>, what: &str, at: &str, mend: &str) {
     let folder = TempDir::new().unwrap();

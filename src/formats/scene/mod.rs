@@ -25,7 +25,7 @@
 //! | `write` | numbers, vectors, cameras and paths as the native formats write them |
 //! | `vertex_colors` | colours of vertices as a texture |
 //! | `builder` | collects materials, textures and primitives; fills in defaults |
-//! | `texture` | image files decoded to texels |
+//! | `texture`, `radiance`, `colorimetry` | image files decoded to texels; headers of .hdr files; Rec. 709 |
 //! | `files` | reads a scene's other files and records which were requested |
 //! | `embedded` | the built-in scenes by name; their files inside the program |
 //! | `check`, `spelling` | bounds of numbers; suggestions for misspelt names |
@@ -36,6 +36,7 @@
 mod builder;
 mod camera_path;
 mod check;
+mod colorimetry;
 mod convert;
 mod embedded;
 pub mod error;
@@ -54,6 +55,7 @@ mod obj;
 mod placement;
 mod ply;
 mod procedural;
+mod radiance;
 mod scalar;
 mod spelling;
 mod statements;

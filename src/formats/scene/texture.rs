@@ -2,10 +2,10 @@
 //!
 //! For: [`Textures`].
 
+use super::colorimetry::{self, linear, to_rec709};
 use super::files::Files;
-use crate::colorimetry::{self, linear, to_rec709};
+use super::radiance::Radiance;
 use crate::openexr;
-use crate::radiance::Radiance;
 use crate::wording::counted;
 use glam::DMat3;
 use image::metadata::Orientation;

@@ -36,7 +36,7 @@ const ORDER: [&[&str]; PACKAGES.len()] = [
         "diagnosis",
         "display",
     ],
-    &["wording", "colorimetry", "openexr", "radiance", "scene", "output", "checkpoint"],
+    &["wording", "openexr", "scene", "output", "checkpoint"],
     &[
         "display_mode",
         "dynamic_resolution",

@@ -4,7 +4,7 @@
 //!
 //! Source: G. Ward, "Radiance File Formats", 2024, section 4.
 
-use crate::colorimetry::{to_rec709, xyz_to_rec709};
+use super::colorimetry::{to_rec709, xyz_to_rec709};
 use glam::DMat3;
 use image::DynamicImage;
 

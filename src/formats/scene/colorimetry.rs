@@ -2,15 +2,13 @@
 //!
 //! For: [`to_rec709`], [`xyz_to_rec709`], [`convert`]; [`cicp`], [`chromatic`] and [`linear`] of profiles.
 
+use crate::openexr::Chromaticities;
 use glam::{DMat3, DVec3, Vec3};
 use image::{DynamicImage, Rgb};
 use moxcms::{
     Chromaticity, CicpProfile, ColorPrimaries, ColorProfile, ToneReprCurve, TransferCharacteristics,
 };
 use octray_engine::scene::{Texels, srgb_to_linear};
-
-/// CIE x, y of red, green, blue and white.
-pub type Chromaticities = [[f32; 2]; 4];
 
 const REC709: Chromaticities = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
 /// Colours and curves that differ less, in a linear channel, are the same: files round them.

@@ -11,7 +11,7 @@ fn picture([width, height]: [u32; 2], pixel: impl FnMut((u32, u32)) -> [f32; 3])
 
 /// What the denoiser makes of a picture of so many samples.
 fn denoised(picture: &Picture, samples: u32, guides: &DenoiserAovs) -> Picture {
-    Denoiser::new().filter(picture, Samples::Same(samples), guides).clone()
+    Denoiser::default().filter(picture, Samples::Same(samples), guides).clone()
 }
 
 /// The largest difference of two pictures.
@@ -70,7 +70,7 @@ fn assert_same_on_threads<F: Default + Send>(filter: impl Fn(&mut F) -> Picture 
 fn blur_is_the_sum_of_nine_and_the_middle_again_over_ten() {
     let picture =
         picture([4, 3], |(x, y)| [(1 + x + 4 * y) as f32, 10.0 * (x * y) as f32, f32::from(x == 3)]);
-    let mut blur = Blur::new();
+    let mut blur = Blur::default();
     let shown = blur.filter(&picture);
     // Rows 1 2 3 4, 5 6 7 8, 9 10 11 12 in red.
     assert_eq!(shown.pixels[5][0], (1 + 2 + 3 + 5 + 2 * 6 + 7 + 9 + 10 + 11) as f32 / 10.0);
@@ -80,20 +80,20 @@ fn blur_is_the_sum_of_nine_and_the_middle_again_over_ten() {
     assert_eq!(shown.pixels[0][0], (1 + 1 + 2 + 1 + 2 + 2 + 5 + 5 + 6) as f32 / 10.0);
     assert_eq!(shown.pixels[11][0], (7 + 8 + 8 + 11 + 2 * 12 + 12 + 11 + 12 + 12) as f32 / 10.0);
     assert_eq!(shown.pixels[6][2], 0.3);
-    assert_eq!(Blur::new().filter(&self::picture([1, 1], |_| grey(0.5))).pixels, [grey(0.5)]);
+    assert_eq!(Blur::default().filter(&self::picture([1, 1], |_| grey(0.5))).pixels, [grey(0.5)]);
 }
 
 #[test]
 fn filters_leave_a_constant_picture_constant() {
     let scene = Scene { resolution: [37, 21], ..empty() };
     let flat = picture(scene.resolution, |_| [0.3, 0.7, 2.5]);
-    assert_eq!(Fxaa::new().filter(&flat, &Tone::default()), &flat);
+    assert_eq!(Fxaa::default().filter(&flat, &Tone::default()), &flat);
     assert_eq!(denoised(&flat, 1, &guides(&scene)), flat, "the sky stays as it is");
     let near = |shown: &Picture| {
         let pairs = shown.pixels.as_flattened().iter().zip(flat.pixels.as_flattened());
         pairs.into_iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-6)
     };
-    assert!(near(Blur::new().filter(&flat)));
+    assert!(near(Blur::default().filter(&flat)));
     let scene = Scene { resolution: [37, 21], ..floor(Vec3::ZERO, 2.0) };
     assert!(near(&denoised(&flat, 1, &guides(&scene))));
 }
@@ -101,7 +101,7 @@ fn filters_leave_a_constant_picture_constant() {
 #[test]
 fn fxaa_keeps_edges_along_rows_and_columns() {
     let size = [32, 24];
-    let mut fxaa = Fxaa::new();
+    let mut fxaa = Fxaa::default();
     for edge in [
         picture(size, |(x, _)| grey(if x < 13 { 0.1 } else { 0.8 })),
         picture(size, |(_, y)| grey(if y < 7 { 0.9 } else { 0.0 })),
@@ -123,14 +123,14 @@ fn fxaa_smooths_a_slanted_edge_towards_what_it_covers() {
             });
             grey(parts.count() as f32 / 64.0)
         });
-        let mut fxaa = Fxaa::new();
+        let mut fxaa = Fxaa::default();
         let smooth = fxaa.filter(&steps, &Tone::default());
         let [error, before] = [smooth, &steps].map(|shown| distance(shown, &covered).powi(2));
         assert!(error < 0.5 * before, "slope {slope}: {error} of {before}");
         // What is dark to one side is bright to the other: turned upside down, the edge gives the same
         // picture upside down.
         let turned = |of: &Picture| Picture { pixels: of.pixels.iter().rev().copied().collect(), ..*of };
-        let again = Fxaa::new().filter(&turned(&steps), &Tone::default()).clone();
+        let again = Fxaa::default().filter(&turned(&steps), &Tone::default()).clone();
         assert!(difference(&turned(smooth), &again) < 1e-5);
     }
 }
@@ -138,7 +138,7 @@ fn fxaa_smooths_a_slanted_edge_towards_what_it_covers() {
 #[test]
 fn fxaa_judges_by_what_is_shown() {
     let dot = picture([9, 9], |place| grey(if place == (4, 4) { 3.0 } else { 2.0 }));
-    let mut fxaa = Fxaa::new();
+    let mut fxaa = Fxaa::default();
     assert_eq!(fxaa.filter(&dot, &Tone::default()), &dot, "both are white on the screen");
     let dark = Tone { exposure: -2.0, ..Tone::default() };
     assert!(fxaa.filter(&dot, &dark).pixels[40][0] < 2.9);
@@ -388,7 +388,7 @@ fn filters_give_the_same_bits_on_any_threads() {
         denoiser.filter(&noisy, Samples::Same(2), &guides).clone()
     });
     // Memory of another size before changes nothing either.
-    let mut used = Denoiser::new();
+    let mut used = Denoiser::default();
     let large = Scene { resolution: [80, 50], ..balls() };
     used.filter(&picture([80, 50], |_| grey(9.0)), Samples::Same(1), &self::guides(&large));
     let counts = vec![2.0; noisy.pixels.len()];

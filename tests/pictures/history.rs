@@ -84,7 +84,7 @@ fn project_inverts_rays() {
 fn history_of_a_camera_that_stands_is_the_mean_of_its_frames() {
     let mut window = Window::new(scene());
     window.look(window.scene.camera);
-    let mut history = History::new();
+    let mut history = History::default();
     let mut sum = vec![0.0f64; flat(0.0).pixels.as_flattened().len()];
     for number in 1..=10 {
         let fresh = window.frame(2);
@@ -123,7 +123,7 @@ fn history_follows_points_and_not_pixels() {
         });
         Picture { pixels: pixels.collect(), ..flat(0.0) }
     };
-    let (mut history, mut sum) = (History::new(), 0.0);
+    let (mut history, mut sum) = (History::default(), 0.0);
     for frame in 0..20 {
         window.look(moved(window.scene.camera, vec3(0.03, 0.01, -0.04) * frame as f32));
         let fresh = paint(&window);
@@ -153,7 +153,7 @@ fn history_ends_at_other_objects_normals_and_planes() {
     let mut window = Window::new(scene());
     let camera = window.scene.camera;
     window.look(camera);
-    let mut history = History::new();
+    let mut history = History::default();
     window.advance(&mut history, &flat(1.0), 8);
     // The ball is a step nearer and larger: its silhouette, its distances, its normals are others; the wall's
     // are not.
@@ -182,7 +182,7 @@ fn history_ends_at_other_objects_normals_and_planes() {
             normals: vec![[normal; 3]],
             ..diffuse()
         };
-        let mut history = History::new();
+        let mut history = History::default();
         for (normal, value) in [(Vec3::Z, 1.0), (vec3(turn.sin(), 0.0, turn.cos()), 0.0)] {
             let mut window = Window::new(wall(normal));
             window.look(window.scene.camera);
@@ -197,7 +197,7 @@ fn history_ends_at_other_objects_normals_and_planes() {
 /// along.
 #[test]
 fn nothing_of_a_lamp_stays_in_the_sky_behind_it() {
-    let mut history = History::new();
+    let mut history = History::default();
     let mut window = Window::new(Scene {
         sky: Sky::Color(Vec3::splat(0.25)),
         materials: vec![lamp(40.0)],
@@ -236,7 +236,7 @@ fn history_forgets_sooner_on_mirrors() {
         scene.spheres[0].material = 1;
         let mut window = Window::new(scene);
         window.look(window.scene.camera);
-        let mut history = History::new();
+        let mut history = History::default();
         for _ in 0..100 {
             window.advance(&mut history, &flat(1.0), 1);
         }
@@ -254,7 +254,7 @@ fn history_forgets_sooner_on_mirrors() {
 fn a_camera_that_stands_ends_at_the_mean_of_its_film() {
     let mut window = Window::new(scene());
     window.look(window.scene.camera);
-    let mut history = History::new();
+    let mut history = History::default();
     for _ in 0..8 {
         window.advance(&mut history, &flat(1.0), 1);
     }
@@ -274,7 +274,7 @@ fn a_camera_that_stands_ends_at_the_mean_of_its_film() {
     let differs = shown.pixels.as_flattened().iter().zip(film.pixels.as_flattened());
     assert!(differs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 2e-3);
     assert!(history.counts()[1_000] > 32.0);
-    let none = &mut History::new();
+    let none = &mut History::default();
     assert_eq!(none.blend_static(&film, 1), &film, "nothing was known");
 }
 
@@ -283,7 +283,7 @@ fn history_starts_anew_in_another_resolution_and_gives_the_same_bits_on_any_thre
     let shown = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut window = Window::new(scene());
-        let mut history = History::new();
+        let mut history = History::default();
         let mut other = Aovs::default();
         other.resize([40, SIZE[0]]);
         let turned = Picture { width: 40, height: SIZE[0], ..flat(9.0) };

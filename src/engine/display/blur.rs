@@ -16,11 +16,6 @@ pub struct Blur {
 }
 
 impl Blur {
-    /// Without memory, which grows at first use.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// The picture, blurred.
     pub fn filter(&mut self, picture: &Picture) -> &Picture {
         let [width, height] = [picture.width, picture.height].map(|side| side as usize);

@@ -48,11 +48,6 @@ pub struct Fxaa {
 }
 
 impl Fxaa {
-    /// Without memory, which grows at first use.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// The anti-aliased picture; contrast is that of the picture displayed with `tone`.
     pub fn filter(&mut self, picture: &Picture, tone: &Tone) -> &Picture {
         let [width, height] = [picture.width, picture.height].map(|side| side as usize);

@@ -82,11 +82,6 @@ pub struct History {
 }
 
 impl History {
-    /// Without a frame to reproject.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Discards the history: for another scene, or other lights.
     pub fn reset(&mut self) {
         (self.previous, self.static_samples) = (None, 0);

@@ -67,11 +67,6 @@ pub struct Denoiser {
 }
 
 impl Denoiser {
-    /// Without memory, which grows at first use.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// The denoised picture; `aovs` are those of its camera.
     ///
     /// # Panics

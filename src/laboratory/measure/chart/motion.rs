@@ -190,7 +190,7 @@ fn render_path(
 ) -> PathFrames {
     let Settings { resolution, max_bounces, .. } = *renderer.settings();
     let (mut film, mut fresh, mut aovs) = (renderer.film(), Picture::default(), Aovs::default());
-    let (mut history, mut denoiser) = (History::new(), Denoiser::new());
+    let (mut history, mut denoiser) = (History::default(), Denoiser::default());
     let mut denoiser_aovs = DenoiserAovs::default();
     let mut taken =
         PathFrames { frame_ms: Vec::new(), filter_ms: [const { Vec::new() }; 3], compared: Vec::new() };

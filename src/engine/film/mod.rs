@@ -17,22 +17,25 @@ use noise::Noise;
 /// Sums are the same at any width.
 type L = Native;
 
-/// A picture in linear RGB, row by row from the top, before tone mapping: the mean of a film.
+/// A picture in linear RGB, before tone mapping: the mean of a film.
+pub type Picture = Map<[f32; 3]>;
+
+/// A value for each pixel, row by row from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Picture {
+pub struct Map<T> {
     /// Pixels in a row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// `width · height` pixels.
-    pub pixels: Vec<[f32; 3]>,
+    /// `width · height` of them.
+    pub pixels: Vec<T>,
 }
 
-impl Picture {
-    /// Allocates only where the picture grows. The pixels are unspecified afterwards.
+impl<T: Clone + Default> Map<T> {
+    /// Allocates only where the map grows. The values are unspecified afterwards.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         (self.width, self.height) = (width, height);
-        self.pixels.resize(width as usize * height as usize, [0.0; 3]);
+        self.pixels.resize(width as usize * height as usize, T::default());
     }
 }
 

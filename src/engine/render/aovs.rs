@@ -11,26 +11,8 @@ use crate::integrate::{Scratch, cost};
 use rayon::prelude::*;
 use std::sync::Mutex;
 
+pub use crate::film::Map;
 pub use crate::integrate::cost::Cost;
-
-/// A value for each pixel, row by row from the top.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Map<T> {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// `width · height` of them.
-    pub pixels: Vec<T>,
-}
-
-impl<T: Clone + Default> Map<T> {
-    /// Allocates only where the map grows. The values are unspecified afterwards.
-    fn resize(&mut self, [width, height]: [u32; 2]) {
-        (self.width, self.height) = (width, height);
-        self.pixels.resize(width as usize * height as usize, T::default());
-    }
-}
 
 impl Renderer {
     /// The AOVs of the surface at the centre of every pixel.

@@ -5,7 +5,8 @@
 use super::interrupt;
 use crate::film::{Film, Picture};
 use crate::output::{self, Format, OutputError};
-use crate::tone::{Tone, srgb_decode};
+use crate::scene::srgb_to_linear;
+use crate::tone::Tone;
 use std::path::Path;
 
 /// Writes the map; fails and leaves no file after a second Ctrl-C.
@@ -23,7 +24,7 @@ fn shade(counts: &mut Picture, most: u32) {
     let whole = f64::from(most.max(2)).ln();
     for pixel in &mut counts.pixels {
         let shown = f64::from(pixel[0].max(1.0)).ln() / whole;
-        *pixel = [srgb_decode(shown) as f32; 3];
+        *pixel = [srgb_to_linear(shown) as f32; 3];
     }
 }
 

@@ -4,6 +4,7 @@
 
 use crate::choice::choices;
 use crate::film::Picture;
+use crate::scene::srgb_to_linear;
 use std::sync::LazyLock;
 
 /// Largest exposure in stops, up or down: past f32's own range in visible light.
@@ -71,11 +72,6 @@ pub fn srgb_encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The inverse of [`srgb_encode`].
-pub fn srgb_decode(stored: f64) -> f64 {
-    if stored <= 0.040_45 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) }
-}
-
 /// The nearest of the 256 stored values for an intensity in [0, 1].
 ///
 /// It is the number of borders at or below the intensity, a border being where the curve passes from one
@@ -105,7 +101,7 @@ impl Curve {
     fn new() -> Self {
         let border = |value: usize| match value {
             255 => f32::INFINITY,
-            _ => srgb_decode((value as f64 + 0.5) / 255.0) as f32,
+            _ => srgb_to_linear((value as f64 + 0.5) / 255.0) as f32,
         };
         let borders: [f32; 256] = std::array::from_fn(border);
         let least = |part: usize| f32::from_bits(Self::LEAST.to_bits() + ((part as u32) << Self::SHIFT));

@@ -6,7 +6,7 @@
 
 use crate::common::*;
 use octray::measure::flip::{Flip, PIXELS_PER_DEGREE};
-use octray::tone::{self};
+use octray::scene::srgb_to_linear;
 
 /// A stored value of 0 to 255 at column, row and channel; clamped.
 type Rule = fn(i32, i32, usize) -> i32;
@@ -49,7 +49,7 @@ fn sparks(x: i32, y: i32, channel: usize) -> i32 {
 
 /// The picture that the program shows with these stored values.
 fn picture([width, height]: [u32; 2], rule: Rule) -> Picture {
-    let radiance = |value: i32| tone::srgb_decode(f64::from(value.clamp(0, 255)) / 255.0) as f32;
+    let radiance = |value: i32| srgb_to_linear(f64::from(value.clamp(0, 255)) / 255.0) as f32;
     let places = (0..height as i32).flat_map(|y| (0..width as i32).map(move |x| (x, y)));
     let pixels = places.map(|(x, y)| [0, 1, 2].map(|channel| radiance(rule(x, y, channel))));
     Picture { width, height, pixels: pixels.collect() }

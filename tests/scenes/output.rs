@@ -5,6 +5,7 @@ use image::ImageDecoder;
 use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
 use octray::film::Picture;
 use octray::output::{Existing, Format, OutputError, check, encode, save, write_atomically};
+use octray::scene::srgb_to_linear;
 use octray::tone::{self, Operator, Tone};
 use std::fs;
 use std::io::{self, Cursor, Write};
@@ -48,7 +49,7 @@ fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [f32; 3]) -> Pic
 #[test]
 fn png_holds_the_srgb_values_of_known_intensities() {
     // Every stored value, from the intensity that stands for it; and what is out of range.
-    let gray = picture(256, 1, |x, _| [tone::srgb_decode(f64::from(x) / 255.0) as f32; 3]);
+    let gray = picture(256, 1, |x, _| [srgb_to_linear(f64::from(x) / 255.0) as f32; 3]);
     let expected: Vec<u8> = (0..=255).flat_map(|value| [value; 3]).collect();
     assert_eq!(png(&gray, &Tone::default()), expected);
 

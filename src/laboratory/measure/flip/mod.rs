@@ -16,7 +16,8 @@
 mod filters;
 
 use crate::film::Picture;
-use crate::tone::{self, Tone};
+use crate::scene::srgb_to_linear;
+use crate::tone::Tone;
 use filters::{Kernel, columns, rows};
 use glam::{DMat3, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -180,7 +181,7 @@ static TO_RGB: LazyLock<glam::Mat3> = LazyLock::new(|| WHITE_XYZ.inverse().as_ma
 /// 200 (Y − Z)).
 fn opponents(bytes: &[u8]) -> [Vec<f32>; 3] {
     static LINEAR: LazyLock<[f32; 256]> =
-        LazyLock::new(|| std::array::from_fn(|byte| tone::srgb_decode(byte as f64 / 255.0) as f32));
+        LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0) as f32));
     let (linear, from_rgb) = (&*LINEAR, *FROM_RGB);
     let mut channels = [(); 3].map(|()| Vec::with_capacity(bytes.len() / 3));
     for pixel in bytes.as_chunks::<3>().0 {

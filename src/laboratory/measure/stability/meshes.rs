@@ -26,37 +26,25 @@ pub(super) fn test_cases() -> Vec<TestCase> {
         inputs: 40_000,
         ..TestCase::COMMON
     };
+    type Case = fn(&mut Rng, f64, &mut FailureCounts, Leaks);
+    let of_size = |name, title, case: Case| TestCase {
+        name,
+        title,
+        axis: "size of the mesh",
+        methods: trials(case, &triangle_methods!(leaks)),
+        ..common()
+    };
+    let anywhere = "Rays anywhere at a closed mesh: failures are rarer than at edges";
     vec![
-        TestCase {
-            name: "mesh-edges",
-            title: "Rays at the edges of a closed mesh",
-            axis: "size of the mesh",
-            methods: trials::<Leaks>(
-                |rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Edges),
-                &triangle_methods!(leaks),
-            ),
-            ..common()
-        },
-        TestCase {
-            name: "mesh-vertices",
-            title: "Rays at the vertices of a closed mesh",
-            axis: "size of the mesh",
-            methods: trials::<Leaks>(
-                |rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Vertices),
-                &triangle_methods!(leaks),
-            ),
-            ..common()
-        },
-        TestCase {
-            name: "mesh-random",
-            title: "Rays anywhere at a closed mesh: failures are rarer than at edges",
-            axis: "size of the mesh",
-            methods: trials::<Leaks>(
-                |rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Anywhere),
-                &triangle_methods!(leaks),
-            ),
-            ..common()
-        },
+        of_size("mesh-edges", "Rays at the edges of a closed mesh", |rng, x, counts, leaks| {
+            leaks(rng, counts, x, 0.0, Target::Edges);
+        }),
+        of_size("mesh-vertices", "Rays at the vertices of a closed mesh", |rng, x, counts, leaks| {
+            leaks(rng, counts, x, 0.0, Target::Vertices);
+        }),
+        of_size("mesh-random", anywhere, |rng, x, counts, leaks| {
+            leaks(rng, counts, x, 0.0, Target::Anywhere);
+        }),
         TestCase {
             name: "mesh-offset",
             title: "Rays at the edges of a closed mesh away from the origin of coordinates",

@@ -3,13 +3,13 @@
 //!
 //! For: [`save`], [`Checkpoint`], [`Identity`], [`merge::Parts`].
 //!
-//! # Format, version 2
+//! # Format, version 3
 //! All numbers are little-endian; a word has 32 bits.
 //!
 //! | bytes | what |
 //! |---|---|
 //! | 8 | magic: `89 6f 63 74 72 61 79 0a` (`octray` between a byte that is not ASCII and a line feed) |
-//! | 4 | version of the format: 2 |
+//! | 4 | version of the format: 3 |
 //! | 4 | n, the length of the header: at most 2¹⁶ |
 //! | n | the header ([`Header`]), JSON in UTF-8 |
 //! | 4 | CRC-32 (ISO-HDLC, as in PNG) of everything before |

@@ -29,7 +29,9 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
         let cells = columns.iter().map(|column| cell(column));
         text += &row(&widths, std::iter::once(name.to_owned()).chain(cells));
     };
-    add(heading, &heading_of);
+    add(heading, &|&FrameStats { lanes, threads, .. }| {
+        format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
+    });
     for (at, stage) in columns[0].stages.iter().enumerate() {
         let of = |column: &FrameStats| {
             let stage = &column.stages[at];
@@ -106,12 +108,6 @@ fn cell(tests: PerRay) -> String {
 
 fn hundredths(x: f64) -> String {
     grouped(format!("{x:.2}"))
-}
-
-/// The heading of a column.
-fn heading_of(column: &FrameStats) -> String {
-    let FrameStats { lanes, threads, .. } = column;
-    format!("{}, {}", engine(*lanes), counted(threads, "thread", "threads"))
 }
 
 /// A width in words.

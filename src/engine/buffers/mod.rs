@@ -192,15 +192,12 @@ pub fn store_triangles<T: TriangleMethod>(scene: &Scene) -> Vec<T::Stored> {
 
 impl Sky {
     fn new(sky: scene::Sky) -> Self {
-        match sky {
-            scene::Sky::Color(color) => Self { bottom: color, rise: Vec3::ZERO, texture: 0, turn: 0.0 },
-            scene::Sky::Gradient { bottom, top } => {
-                Self { bottom, rise: top - bottom, texture: 0, turn: 0.0 }
-            }
-            scene::Sky::Texture { texture, color, turn } => {
-                Self { bottom: color, rise: Vec3::ZERO, texture, turn }
-            }
-        }
+        let (bottom, rise, texture, turn) = match sky {
+            scene::Sky::Color(color) => (color, Vec3::ZERO, 0, 0.0),
+            scene::Sky::Gradient { bottom, top } => (bottom, top - bottom, 0, 0.0),
+            scene::Sky::Texture { texture, color, turn } => (color, Vec3::ZERO, texture, turn),
+        };
+        Self { bottom, rise, texture, turn }
     }
 }
 

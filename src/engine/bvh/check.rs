@@ -9,7 +9,7 @@ use serde::Serialize;
 
 /// Statistics of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surface
 /// areas over the root's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
     /// Nodes of the wide tree.
     pub wide_nodes: usize,
@@ -67,15 +67,7 @@ pub fn check(
         wide_nodes: bvh.wide.len(),
         binary_nodes: bvh.binary.len(),
         leaves,
-        node_fill: 0.0,
-        leaf_fill: 0.0,
-        wide_depth: 0,
-        binary_depth: 0,
-        node_visits: 0.0,
-        leaf_visits: 0.0,
-        primitive_tests: 0.0,
-        cost: 0.0,
-        stack: 0,
+        ..Statistics::default()
     };
     let area = bvh.bounds.half_area().max(f64::MIN_POSITIVE);
     let mut validator = Validator { bvh, bounds, seen: vec![0; count], statistics, area };

@@ -1,4 +1,4 @@
-//! For: [`text`], what `octray inspect --pixel` reports: one path in f64 and f32 beside each other.
+//! What `octray inspect --pixel` reports: one path in f64 and f32 beside each other.
 
 use super::inspection::type_of;
 use super::text::row;

@@ -43,7 +43,7 @@ const MAX_FRAMES: u32 = 1_000_000;
 ///
 /// Columns: 16 lanes (where they are one vector), 8 lanes, scalar: frames per second on one thread (or
 /// --threads), the median, and in brackets the 1 % low (the rate that 99 % of the frames reach). all cores,
-/// and Mray/s, millions of rays per second on one thread: by the width of --lanes. 178k is 178,000; a dash
+/// and Mray/s, millions of rays per second on one thread: by the first width. 178k is 178,000; a dash
 /// was not measured. differing: pixels in which any width differs from scalar in any bit. wrong hits: primary
 /// hits that are wrong by the reference. Both should be 0, or the exit code is 1. rmse: root mean square
 /// error of a frame without next event estimation against the reference on the same random numbers.
@@ -55,7 +55,9 @@ const MAX_FRAMES: u32 = 1_000_000;
 /// scalar. scaling: all cores over one thread. specialisation: the pipeline compiled for the features of the
 /// scene over the one with every feature. The last line is a summary to paste.
 #[derive(Debug, clap::Parser)]
-#[command(after_help = "Example:\n  octray bench builtin:three --threads 1 --json > bench.json")]
+#[command(after_help = "Examples:
+  octray bench builtin:three --threads 1 --json > bench.json
+  octray bench builtin:knot:2000 --against \"--traversal single\"")]
 pub struct Options {
     /// Scenes, models, builtin:NAME [default: the built-in bench scenes].
     #[arg(value_name = "SCENE")]
@@ -94,7 +96,7 @@ struct Engines {
     /// Worker threads [default: one, and SIMD on all cores].
     #[arg(long, value_name = "N", value_parser = threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Widths to measure, such as 8,1: auto, 1, 8, 16 [default: all].
+    /// Widths, such as 8,1: auto, 1, 8, 16 [default: all].
     #[arg(long, value_name = "LANES", value_parser = lanes(), hide_possible_values = true, value_delimiter = ',', action = ArgAction::Set)]
     lanes: Vec<LaneChoice>,
     #[command(flatten)]

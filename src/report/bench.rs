@@ -460,7 +460,7 @@ mod tests {
     #[test]
     fn warning_names_the_figure_that_others_took_most_of_or_a_scene_of_few_frames() {
         let calm = result("calm", 99, 0.05);
-        assert_eq!(doubt(&[calm.clone()]), None);
+        assert_eq!(doubt(std::slice::from_ref(&calm)), None);
         let (_, sentence) = doubt(&[calm.clone(), result("few", FEWEST_FRAMES - 1, 0.0)]).unwrap();
         assert!(sentence.starts_with("few was timed for 49 frames, too few"), "{sentence}");
         let busy = [result("bad", 9, 0.1), result("worse", 99, 0.4), calm];

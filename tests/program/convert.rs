@@ -84,8 +84,8 @@ fn convert_says_what_of_a_model_it_leaves_out() {
     let said = desk.warnings("convert odd.obj odd.json");
     assert!(said.contains("odd.mtl"), "{said}");
     let of_compare = desk.warnings("compare odd.obj --samples 1 --size 4x4");
-    // A plain build also says so there.
-    assert!(of_compare.ends_with(&said), "{of_compare}");
+    // A plain build and a busy machine also say so there.
+    assert!(of_compare.contains(&said), "{of_compare}");
 }
 
 #[test]

@@ -77,7 +77,6 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             ),
             // As much as renderers may differ by.
             bound: |_| Bound::error(0.03),
-            ..TestCase::COMMON
         },
     ]
 }

@@ -250,28 +250,6 @@ fn rays_without_finite_slopes_harm_no_other() {
     }
 }
 
-#[test]
-fn rays_without_a_reach_harm_no_other() {
-    let mut rng = Rng(67);
-    let scene = mixture(&mut rng, 900, 30, 1.0, 0.0);
-    let hierarchy = hierarchy(&scene);
-    for axis in 0..6 {
-        for lanes in (1..255usize).step_by(6) {
-            let mut set = View::along(&mut rng, axis, 0.4, 0.0).rays(TILE);
-            for i in (0..TILE).filter(|i| lanes >> (i % 8) & 1 == 1) {
-                set.t_max[i] = f32::NAN;
-            }
-            let name = Traversal::Packet.name();
-            let (found, expected) = (set.through::<false>(&hierarchy, Traversal::Packet), set.linear(&scene));
-            for (at, (found, expected)) in found.iter().zip(&expected).enumerate() {
-                if !set.t_max[at].is_nan() {
-                    assert_eq!(found, expected, "{name}: ray {at}, lanes {lanes:08b} have none");
-                }
-            }
-        }
-    }
-}
-
 /// Far spheres make large paddings, tiny ones once made infinite ones.
 #[test]
 fn tiny_and_far_spheres_among_triangles_change_nothing() {

@@ -59,37 +59,6 @@ fn numbers_are_uniform_in_every_dimension() {
 }
 
 #[test]
-fn every_bit_is_set_half_of_the_time() {
-    let mut deviations = Vec::new();
-    for dimension in dimensions() {
-        let mut set = [0; 24];
-        for x in column(2, dimension) {
-            let integer = (x * 16_777_216.0) as u32;
-            set.iter_mut().enumerate().for_each(|(bit, set)| *set += integer >> bit & 1);
-        }
-        for (bit, set) in set.into_iter().enumerate() {
-            let deviation = (f64::from(set) - 0.5 * COUNT) / (0.25 * COUNT).sqrt();
-            deviations.push((deviation, format!("dimension {dimension}, bit {bit}")));
-        }
-    }
-    assert_all_within(deviations);
-}
-
-#[test]
-fn numbers_never_reach_one() {
-    // All 2³² bit patterns pass through `mix`, a bijection, so the largest is reached: 1 − 2⁻²⁴.
-    let largest = (u32::MAX >> 8) as f32 / 16_777_216.0;
-    assert!(largest < 1.0);
-    let mut rng = Rng(41);
-    for _ in 0..200_000 {
-        let (key, dimension) = (rng.bits(), rng.bits() >> 20);
-        let x = random::uniform::<f32>(key, dimension);
-        assert!((0.0..=largest).contains(&x));
-        assert_eq!((x * 16_777_216.0).fract(), 0.0, "a multiple of 2⁻²⁴");
-    }
-}
-
-#[test]
 fn neighbouring_pixels_samples_dimensions_and_seeds_are_independent() {
     let used: Vec<u32> = dimensions().collect();
     let mut deviations = Vec::new();

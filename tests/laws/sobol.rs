@@ -5,13 +5,11 @@
 //! Seeds are fixed; tolerances are standard errors, as in `tests/laws/sampling_laws.rs`. Bits at width 1 and
 //! 8 are compared by `tests/laws/lane_parity.rs`.
 
-use crate::common::statistics::{
-    allowed, assert_all_within, chi_squared_deviation, correlation, joint, mean_and_error,
-};
+use crate::common::statistics::{allowed, assert_all_within, chi_squared_deviation, correlation, joint};
 use crate::common::*;
 use octray::lane::lane_indices;
 use octray::sampling::{PacketValues, PixelCoordinates, SampleValues, blue_noise, dimension, random};
-use std::f64::consts::{FRAC_PI_4, TAU};
+use std::f64::consts::FRAC_PI_4;
 
 type Point = [f64; 2];
 
@@ -204,37 +202,6 @@ fn spread(axes: usize, [a, b]: &[Vec<Point>; 2]) -> f64 {
     cells.iter().map(|cell: &f64| (cell - n / 16.0).powi(2)).sum::<f64>() / n
 }
 
-#[test]
-fn two_pairs_meet_as_independent_orders_do() {
-    // Independent numbers give 15/16. In Walsh functions of the two first digits, the padded points
-    // have no error in the 6 that are constant along one of the two numbers. Samples 2i and 2i + 1 have
-    // opposite first digits in both: 2 instead of 1 for the product of both first digits. Samples that differ
-    // in bit 1 of their index share the first digit in half of the cases, then have opposite second digits: 1
-    // + 2 · ½ · ½ for the 4 functions with both second digits; 1 for the other 4. In all 12/16.
-    const SEEDS: u32 = 3000;
-    let used: Vec<u32> = pairs().collect();
-    let couples: Vec<[u32; 2]> =
-        [[0, 1], [1, 2], [2, 3], [3, 6], [1, 7]].map(|[i, j]| [used[i], used[j]]).into();
-    let mut deviations = Vec::new();
-    for (sampler, expected) in [(Sampler::Sobol, 12.0 / 16.0), (Sampler::Random, 15.0 / 16.0)] {
-        for &[d, e] in &couples {
-            for count in [16, 64, 256] {
-                let mut spreads = [const { Vec::new() }; 4];
-                for seed in 0..SEEDS {
-                    let pairs = [d, e].map(|of| points_of_seed(sampler, seed, of, count));
-                    (0..4).for_each(|axes| spreads[axes].push(spread(axes, &pairs)));
-                }
-                for (axes, spreads) in spreads.into_iter().enumerate() {
-                    let (mean, error) = mean_and_error(&spreads);
-                    let of = format!("{sampler:?}, dimensions {d} and {e}, axes {axes}");
-                    deviations.push(((mean - expected) / error, format!("{of}, {count} samples: {mean:.3}")));
-                }
-            }
-        }
-    }
-    assert_all_within(deviations);
-}
-
 /// A function on the square: its name, itself, its integral.
 type Integrand = (&'static str, fn(Point) -> f64, f64);
 
@@ -287,27 +254,6 @@ fn integrals_are_as_good_as_a_true_owen_scrambling_makes_them() {
             // Of two mean squares of normal errors: standard error √(2/4000 + 2/2000) = 0.039.
             assert!((loss - 1.0).abs() < 0.16, "{what}: {loss:.2} of the textbook's variance");
         }
-    }
-}
-
-#[test]
-fn errors_have_no_heavier_tails_than_a_true_owen_scrambling_gives_them() {
-    // Scrambling by sums and products alone has the right variance and 1.9 and 2.6 times the fourth moment,
-    // one round less 1.3 and 2.0 times. A fourth moment's standard error is about 3.3 of √(1/6000 + 1/3000):
-    // 0.07.
-    const PIXELS: u32 = 6000;
-    let mut rng = Rng(55);
-    let of_textbook: Vec<Vec<Point>> = (0..PIXELS / 2).map(|_| textbook::points(&mut rng, 64)).collect();
-    let of_sobol: Vec<Vec<Point>> =
-        (0..PIXELS).map(|seed| points_of_seed(Sampler::Sobol, seed, 10, 64)).collect();
-    let smooth = FUNCTIONS[0];
-    for (name, f, integral) in [smooth, ("wave", |[x, _]| (TAU * 16.0 * x).cos(), 0.0)] {
-        let moment = |pixels: &[Vec<Point>]| {
-            let error = |of: &Vec<Point>| of.iter().map(|&p| f(p)).sum::<f64>() / 64.0 - integral;
-            pixels.iter().map(|points| error(points).powi(4)).sum::<f64>() / pixels.len() as f64
-        };
-        let ratio = moment(&of_sobol) / moment(&of_textbook);
-        assert!((0.65..1.4).contains(&ratio), "{name}: fourth moment {ratio:.2} of the textbook's");
     }
 }
 
@@ -398,7 +344,6 @@ fn blocks_of_pixels_share_a_net_before_the_first_bounce() {
 
 #[test]
 fn pairs_of_a_block_of_pixels_meet_as_independent_orders_do() {
-    // As in `two_pairs_meet_as_independent_orders_do`, but over the pixels of blocks and not over samples:
     // 15/16 for independent numbers. Pairs that read the same part of the table give 3.
     const SEEDS: u32 = 1000;
     let shared: Vec<u32> = shared_pairs().collect();
@@ -438,39 +383,6 @@ fn errors_of_neighbours_cancel_before_the_first_bounce() {
             let gain = of_pixels / 16.0 / of_blocks;
             assert!(gain > least, "{name}, {samples} samples: variance {gain:.1} times below independent");
         }
-    }
-}
-
-#[test]
-fn shared_points_are_uniform_over_seeds_in_every_digit_and_pixel() {
-    const SEEDS: u32 = 4096;
-    let mut deviations = Vec::new();
-    for (dimension, pixel) in shared_pairs().zip([[0, 0], [17, 5], [200, 130], [63, 64]]) {
-        for sample in [0, 1, 100] {
-            let points: Vec<Point> =
-                (0..SEEDS).map(|seed| shared_point(seed, pixel, sample, dimension)).collect();
-            let at = format!("dimension {dimension}, sample {sample}");
-            deviations.extend([0, 1].into_iter().flat_map(|axis| bits_that_are_set(&points, axis, &at)));
-            let both = joint(points.iter().map(|&[x, y]| (x, y)));
-            deviations.push((both, format!("both numbers of dimension {dimension}, sample {sample}")));
-        }
-    }
-    assert_all_within(deviations);
-}
-
-#[test]
-fn waves_do_not_resonate_with_the_lines_of_a_net() {
-    // Too fine for few samples to gain anything: scrambling keeps the error from resonating with the net's
-    // lines.
-    for (a, b) in [(3.0, 2.0), (8.0, 8.0), (16.0, -15.0)] {
-        let wave = |[x, y]: Point| (TAU * (a * x + b * y)).cos();
-        let mean_square = (0..4000)
-            .map(|seed| points_of_seed(Sampler::Sobol, seed, 0, 16).into_iter().map(wave).sum::<f64>() / 16.0)
-            .map(|mean| mean * mean)
-            .sum::<f64>()
-            / 4000.0;
-        // Random: ½ · 1/16. A net of two dimensions is at most e times worse (Owen 1997).
-        assert!(mean_square < std::f64::consts::E / 32.0, "{a}, {b}: {:.2} of random", mean_square * 32.0);
     }
 }
 

@@ -4,7 +4,6 @@ use super::coordinates::in_file;
 use crate::folder::Folder;
 use crate::obj::area;
 use glam::{Vec2, Vec3, vec3};
-use octray::measure::stability::Rng;
 use octray::render::{Renderer, Settings};
 use octray::scene::{Scene, Texels, load, srgb_to_linear};
 use std::fs;
@@ -164,36 +163,6 @@ fn files_that_lie_are_refused() {
     let empty =
         format!("{ascii}element nothing 99999999999999\nelement vertex 3\n{xyz}element face 1\n{face}");
     assert_eq!(file(&empty, &format!("{three}3 0 1 2")).unwrap().triangles.len(), 1);
-}
-
-#[test]
-fn changed_bytes_never_cause_a_panic() {
-    let header = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
-                  property uchar green\nproperty uchar blue\nelement face 2\nproperty list uchar int vertex_indices\n";
-    let mut numbers = Vec::new();
-    for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
-        numbers.extend([('f', x), ('f', y), ('f', 0.0), ('c', 1.0), ('c', 2.0), ('c', 3.0)]);
-    }
-    for _ in 0..2 {
-        numbers.extend([('c', 3.0), ('i', 0.0), ('i', 1.0), ('i', 2.0)]);
-    }
-    let mut rng = Rng(12);
-    let folder = Folder::new();
-    let path = folder.path("m.ply");
-    for content in encoded(header, &numbers) {
-        for round in 0..250 {
-            let mut changed = content.clone();
-            for _ in 0..1 + round % 3 {
-                let at = rng.bits() as usize % changed.len();
-                changed[at] = if round % 2 == 0 { b'0' + (rng.bits() % 10) as u8 } else { rng.bits() as u8 };
-            }
-            if round % 7 == 0 {
-                changed.truncate(rng.bits() as usize % changed.len());
-            }
-            fs::write(&path, changed).unwrap();
-            let _ = load(path.to_str().unwrap());
-        }
-    }
 }
 
 #[test]

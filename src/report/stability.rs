@@ -44,6 +44,46 @@ impl Checked for Report {
 const NAME: isize = -28;
 const FIGURE: usize = 8;
 
+/// The widths of the summary's columns.
+const SUMMARY: [isize; 8] = [-21, -24, 9, 8, 9, -26, 9, 9];
+
+/// A row a test case: the default method where it is worst among the places at which it has a bound, and of
+/// the other methods the one that is best where it is worst. Then what the default promises and does not
+/// keep.
+pub fn summary(report: &Report) -> String {
+    let names = ["test case", "default *", "worst, %", "at", "error", "  best rival", "worst, %", "error"];
+    let mut text = format!("\n{}", row(&SUMMARY, names));
+    for Outcome { test_case, curves, .. } in &report.test_cases {
+        let of_default = curves.iter().filter(|curve| curve.default).flat_map(|curve| &curve.points);
+        let open: Vec<f64> =
+            of_default.filter(|point| point.promises_nothing()).map(|point| point.x).collect();
+        let by_figures = |a: &Point, b: &Point| {
+            a.rate().total_cmp(&b.rate()).then(a.p99.unwrap_or(0.0).total_cmp(&b.p99.unwrap_or(0.0)))
+        };
+        let of = |default| {
+            let curves = curves.iter().filter(move |curve| curve.default == default);
+            // Of equal places the first.
+            let worst = curves.filter_map(|curve| {
+                let points = curve.points.iter().filter(|point| !open.contains(&point.x));
+                points.rev().max_by(|a, b| by_figures(a, b)).map(|point| (curve.method, point))
+            });
+            worst.min_by(|a, b| by_figures(a.1, b.1)).map_or(
+                ["–"; 4].map(String::from),
+                |(method, point)| {
+                    let share = percent(point.rate()).trim_end_matches(" %").to_string();
+                    let error = point.p99.filter(|_| test_case.error.is_some());
+                    let error = error.map_or("–".into(), |p99| format!("{p99:.1e}"));
+                    [method.into(), share, place(point.x), error]
+                },
+            )
+        };
+        let [rival, share, _, error] = of(false);
+        let rival = [format!("  {rival}"), share, error];
+        text += &row(&SUMMARY, [test_case.name.into()].into_iter().chain(of(true)).chain(rival));
+    }
+    text + &report.test_cases.iter().map(faults).collect::<String>()
+}
+
 /// A test case: a row a method for its failures, and a second row for its error where that is measured.
 pub fn table(outcome: &Outcome) -> String {
     let Outcome { test_case, curves, .. } = outcome;
@@ -70,18 +110,23 @@ pub fn table(outcome: &Outcome) -> String {
             add(String::new(), &error, points);
         }
     }
-    for Point { x, failures, tested, p99, bound, .. } in outcome.faults() {
+    text
+}
+
+/// Where the default of a test case breaks its bound.
+fn faults(outcome: &Outcome) -> String {
+    let fault = |Point { x, failures, tested, p99, bound, .. }: &Point| {
         let Bound { failures: share, p99: most } = bound.unwrap_or(Bound::NONE);
-        let _ = writeln!(
-            text,
-            "  THE DEFAULT FAILS at {}: {} of {}, expected at most {}; error {p99:?}, at most {most:?}",
+        format!(
+            "THE DEFAULT FAILS in {} at {}: {} of {}, expected at most {}; error {p99:?}, at most {most:?}\n",
+            outcome.test_case.name,
             place(*x),
             grouped(failures),
             grouped(tested),
             percent(share)
-        );
-    }
-    text
+        )
+    };
+    outcome.faults().map(fault).collect()
 }
 
 /// A place on an axis, in fewer characters than [`FIGURE`].
@@ -90,13 +135,13 @@ fn place(x: f64) -> String {
     if text.len() < FIGURE { text } else { format!("{x:.1e}") }
 }
 
-/// The tables in words.
+/// What the figures mean together.
 pub fn verdict(report: &Report) -> String {
     let broken = report.test_cases.iter().filter(|outcome| !outcome.holds);
     let failed: Vec<&str> = broken.map(|outcome| outcome.test_case.name).collect();
     match failed[..] {
         [] => format!(
-            "The default methods (*) keep their bounds in {}. In brackets: places where they have no bound.\n",
+            "The default methods (*) keep their bounds in {}.\n",
             counted(report.test_cases.len(), "test case", "test cases")
         ),
         _ => format!("THE DEFAULT METHODS (*) DO NOT KEEP THEIR BOUNDS in {}.\n", failed.join(", ")),
@@ -208,15 +253,39 @@ mod tests {
     #[test]
     fn table_marks_the_default_and_tells_its_faults() {
         let good = table(&outcome(0));
-        let bad = table(&outcome(3));
         let has = |row: &[&str]| good.lines().any(|line| line.split_whitespace().eq(row.iter().copied()));
         assert!(has(&["4096"]) && has(&["robust", "*", "0"]) && has(&["1.5e-6"]), "{good}");
-        assert!(!good.contains("FAILS") && bad.contains("FAILS at 4096: 3 of 2,000"), "{bad}");
+    }
+
+    fn report(test_cases: Vec<Outcome>) -> Report {
+        Report::new(false, test_cases)
+    }
+
+    #[test]
+    fn summary_has_the_worst_of_the_default_and_the_best_rival() {
+        let mut doctored = outcome(3);
+        let at = |curve: &Curve, x, failures, p99| Point { x, failures, p99, ..curve.points[0].clone() };
+        let [naive, robust] = &mut doctored.curves[..] else { panic!("two methods") };
+        let open = Point { bound: Some(Bound::NONE), ..at(robust, 1e9, 2000, None) };
+        robust.points.extend([at(robust, 8192.0, 3, Some(2e-6)), open]);
+        // Bad at one place is worse than middling at both; nobody looks where the default has no bound.
+        let rival = |method, failures: [usize; 2]| {
+            let places = [4096.0, 8192.0].into_iter().zip(failures);
+            let mut points: Vec<_> = places.map(|(x, failures)| at(naive, x, failures, None)).collect();
+            points.push(at(naive, 1e9, 2000, None));
+            Curve { method, default: false, points }
+        };
+        let rivals = [rival("middling", [4, 6]), rival("uneven", [0, 400])];
+        doctored.curves.extend(rivals);
+        let said = summary(&report(vec![doctored]));
+        let has = |row: &str| said.lines().any(|line| line.split_whitespace().eq(row.split(' ')));
+        assert!(has("far robust 0.15 8192 2.0e-6 middling 0.30 –"), "{said}");
+        assert!(said.contains("FAILS in far at 4096: 3 of 2,000"), "{said}");
+        assert!(!summary(&report(vec![outcome(0)])).contains("FAILS"));
     }
 
     #[test]
     fn verdict_names_the_test_cases_in_which_a_default_fails() {
-        let report = |test_cases: Vec<Outcome>| Report::new(false, test_cases);
         assert!(verdict(&report(vec![outcome(0)])).contains("keep their bounds in 1 test case."));
         assert!(verdict(&report(vec![outcome(0), outcome(1)])).contains("BOUNDS in far."));
         // A default that fails in one input of ten thousand, through the same code as the others.

@@ -1,6 +1,6 @@
 //! `octray stability`: its table, its JSON, its charts.
 
-use crate::desk::{Desk, list, number};
+use crate::desk::{Desk, assert_fits, list, number};
 use octray::measure::stability::test_case;
 use serde_json::{Value, json};
 
@@ -61,11 +61,15 @@ fn thorough_stability_tries_ten_times_as_many_cases() {
 }
 
 #[test]
-fn stability_prints_a_table_a_test_case_and_what_it_means() {
+fn stability_prints_a_row_a_test_case_its_tables_on_request_and_what_they_mean() {
     let desk = Desk::new();
-    let printed = desk.run(QUICK);
+    let brief = desk.run(QUICK);
+    assert!(brief.contains("\nspheres-inside ") && !brief.contains("\n  naive "), "{brief}");
+    assert_fits(brief.split_once('\n').unwrap().1);
+    let printed = desk.run(&format!("{QUICK} --tables"));
     let at = |words: &str| printed.find(words).unwrap_or_else(|| panic!("{words} is not in {printed}"));
-    assert!(at("keep their bounds") < at("\nspheres-tangent: "), "the verdict comes first");
+    assert!(at("keep their bounds") < at("\nspheres-tangent "), "the verdict comes first");
+    at("\nspheres-tangent: ");
     for words in ["robust *", "\n  naive ", "hit or miss misjudged", "(*) keep their bounds in 2 test cases."]
     {
         at(words);

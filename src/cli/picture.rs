@@ -14,6 +14,9 @@ use crate::traverse::Methods;
 /// Without an option, a view has its own value; without a view, the scene.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub struct PictureOptions {
+    /// Takes the scene's own size and bounces, as is the default here.
+    #[arg(long, hide = true, conflicts_with_all = ["size", "bounces"])]
+    as_scene: bool,
     /// Pixels of the picture [default: the scene's].
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,

@@ -215,6 +215,10 @@ fn size_and_bounces_of_the_scene_are_offered_and_taken() {
     assert_eq!(report["settings"].get("size"), None);
     desk.refuses(&with("--as-scene --size 8x8"), &["--as-scene", "--size"]);
 
+    let rendered = |more: &str| desk.rendered(&format!("scene.json --samples 1{more}"), "own.exr");
+    assert_eq!(rendered(" --as-scene"), rendered(""), "render takes them anyway");
+    desk.refuses("render scene.json -o own.exr --as-scene --bounces 1", &["--as-scene", "--bounces"]);
+
     let chart = "chart scene.json -o charts --budget 0.1";
     let other = desk.run(&format!("{chart} --size 6x6"));
     assert!(other.contains("scene.json has 8×8 and 4 bounces; --as-scene takes them"), "{other}");

@@ -1,26 +1,30 @@
 //! `octray rays`: rays per second, by kind of ray and traversal.
 
-use super::error::CliError;
-use super::groups::{SCENE, choice, one_of};
+use super::error::{CliError, refuse};
+use super::groups::{SCENE, choice, lanes, one_of};
 use super::numbers::{seed, size, threads, whole};
 use super::outputs::keep_inputs;
 use super::ray_dump;
 use super::scenes;
 use super::terminal::{self, Printer};
 use crate::bvh::check::check_scene;
+use crate::lane::NATIVE_WIDTH;
 use crate::machine;
 use crate::measure::rays;
 use crate::measure::trace::{Accelerators, TraceMethod, TracePool};
 use crate::output;
-use crate::report::rays::{Report, heading, meaning, rows, warning};
+use crate::render::LaneChoice;
+use crate::report::rays::{Report, heading, meaning, over_baseline, rows, warning};
 use crate::report::settings::RunSettings;
 use crate::report::stats;
 use crate::scene::SceneError;
 use crate::traverse::{Methods, TraversalChoice};
 use crate::wording::grouped;
 use clap::Parser;
+use clap::builder::TypedValueParser;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
+use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -33,10 +37,10 @@ const MAX_RAYS: u32 = 1 << 23;
 
 /// Measure rays per second, by kind of ray and traversal.
 ///
-/// Three kinds: primary rays from a camera that sees the whole scene (blocks of 4×4 pixels), one shadow ray
-/// from each of their hits (cosine-weighted, a quarter of the scene's diagonal long, any hit), and one
-/// diffuse ray from each (cosine-weighted, nearest hit). Making the rays is not
-/// timed. All traversals are measured in alternation.
+/// Three kinds: primary rays from a camera that sees the whole scene or from the scene's own (blocks of 4×4
+/// pixels), one shadow ray from each of their hits (cosine-weighted, a quarter of the scene's diagonal long,
+/// any hit), and one diffuse ray from each (cosine-weighted, nearest hit). Making the rays is not timed. All
+/// traversals are measured in alternation.
 ///
 /// Columns: lanes: rays traced at a time. Mray/s: millions of rays per second on one thread (or --threads)
 /// and on all cores, the median, and in brackets from 10 to 90 % of the passes. × scalar: over one scalar ray
@@ -60,6 +64,12 @@ pub struct Options {
     /// Write rays, hits, triangles (see perf/README.md).
     #[arg(long, value_name = "DIR")]
     dump: Option<PathBuf>,
+    /// Print ratios to an earlier report (--json).
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+    /// Camera of primary rays.
+    #[arg(long, value_name = "CAMERA", value_enum, default_value = "overview")]
+    camera: CameraChoice,
     /// Pixels, one primary ray each.
     #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = rays_size, allow_hyphen_values = true)]
     size: [u32; 2],
@@ -69,12 +79,32 @@ pub struct Options {
     /// Measure this traversal [default: all that suit].
     #[arg(long, value_name = "METHOD", default_value = TraversalChoice::default().name(), value_parser = choice::<TraversalChoice>(), hide_possible_values = true, hide_default_value = true, long_help = one_of::<TraversalChoice>("Measure one traversal; auto measures all that suit the kind of rays"))]
     traversal: TraversalChoice,
+    /// Measure these widths: auto, 1, or auto,1 [default: all].
+    #[arg(long, value_name = "LANES", value_parser = ray_lanes(), value_delimiter = ',', hide_possible_values = true)]
+    lanes: Vec<LaneChoice>,
     /// Measured passes [default: a second, at least 10].
     #[arg(long, value_name = "N", value_parser = whole::<1, MAX_PASSES>, allow_hyphen_values = true)]
     passes: Option<u32>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value = "0", value_parser = seed, allow_hyphen_values = true)]
     seed: u32,
+}
+
+/// Reads a width that traversals have: hierarchies are as wide as the vectors of the build.
+fn ray_lanes() -> impl TypedValueParser<Value = LaneChoice> {
+    lanes().try_map(|choice| match choice.lanes() {
+        1 | NATIVE_WIDTH => Ok(choice),
+        _ => Err(format!("in this build traversals have {NATIVE_WIDTH} lanes or 1: give auto or 1")),
+    })
+}
+
+/// Where primary rays start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum CameraChoice {
+    /// Beside the scene, all of which it sees.
+    Overview,
+    /// The scene's own, or that of a view.
+    Scene,
 }
 
 fn rays_size(text: &str) -> Result<[u32; 2], String> {
@@ -94,8 +124,13 @@ impl Options {
         }
     }
 
+    /// The methods that were asked for, where their widths were.
     fn ways(&self) -> Vec<TraceMethod> {
-        TraceMethod::of(self.traversal).map_or_else(|| TraceMethod::all().collect(), |way| vec![way])
+        let mut ways =
+            TraceMethod::of(self.traversal).map_or_else(|| TraceMethod::all().collect(), |way| vec![way]);
+        let is_wanted = |way: &TraceMethod| self.lanes.iter().any(|choice| choice.lanes() == way.lanes());
+        ways.retain(|way| self.lanes.is_empty() || is_wanted(way));
+        ways
     }
 
     fn run_settings(&self) -> RunSettings {
@@ -107,7 +142,8 @@ impl Options {
             threads: self.threads(),
             ..RunSettings::of(Methods { traversal: self.traversal, ..Methods::default() })
         };
-        run.with("passes", self.passes)
+        let camera = Some("scene").filter(|_| self.camera == CameraChoice::Scene);
+        run.with("camera", camera).with("passes", self.passes)
     }
 }
 
@@ -116,7 +152,15 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     terminal::warn_of_debug_build("rays SCENE");
     let out = Printer { json: options.json };
     let scene = scenes::load_with_warnings(&options.scene, false)?;
-    let camera = scene.overview().ok_or_else(|| SceneError::no_overview(&scene))?;
+    let baseline = options.baseline.as_deref().map(|file| {
+        let text = fs::read_to_string(file).map_err(|error| format!("it cannot be read ({error})"));
+        text.and_then(|text| Report::read(&text)).map_err(|why| refuse("--baseline", file.display(), why))
+    });
+    let baseline = baseline.transpose()?;
+    let camera = match options.camera {
+        CameraChoice::Scene => scene.camera,
+        CameraChoice::Overview => scene.overview().ok_or_else(|| SceneError::no_overview(&scene))?,
+    };
     if let Some(folder) = &options.dump {
         let files = ray_dump::files(folder);
         keep_inputs(&scene.files, files.iter().map(|file| ("--dump", file.as_path())))?;
@@ -129,9 +173,11 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let tree = check_scene(&hierarchy.bvh, &scene);
     let mut report = Report::new(options.run_settings(), &scene, builds, hierarchy.bytes(), tree);
     report.stats = options.stats.then(Vec::new);
-    // The widths follow from the traversals.
-    let lanes = report.settings.lanes.clone();
-    let defaults = RunSettings { lanes, ..Options::parse_from(["rays", ""]).run_settings() };
+    // Without --lanes, the widths follow from the traversals.
+    let mut defaults = Options::parse_from(["rays", ""]).run_settings();
+    if options.lanes.is_empty() {
+        defaults.lanes.clone_from(&report.settings.lanes);
+    }
     out.text(&heading(&report, &defaults))?;
 
     let structures = Accelerators::new(&scene, hierarchy);
@@ -163,6 +209,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     out.text(&meaning(&report))?;
     if let Some(taken) = &report.stats {
         out.text(&stats::rays(taken))?;
+    }
+    if let Some(baseline) = &baseline {
+        report.compare(baseline);
+        out.text(&over_baseline(&report))?;
     }
     let warning = warning(&report.results);
     report.reliable = warning.is_none() && !cfg!(debug_assertions);

@@ -1,17 +1,25 @@
 //! What `octray rays` reports: rays per second, as a table or as JSON.
 
 use super::Checked;
-use super::numbers::{bytes, figure, mark, times};
-use super::settings::RunSettings;
-use super::text::{busy, row};
+use super::numbers::{bytes, figure, mark, ratio, times};
+use super::settings::{Differences, RunSettings, differences, in_words, json};
+use super::stats;
+use super::text::{busy, paragraph, row};
 use crate::bvh::check::Statistics;
+use crate::measure::cores::Reliability;
 use crate::measure::rays::{BuildTime, Measurement};
 use crate::measure::stats::RayStats;
+use crate::measure::timed::Ratio;
 use crate::scene::Scene;
 use crate::traverse::Traversal;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
+use serde_json::{Value, json};
 
+/// Name and version of the JSON report's form.
+const SCHEMA: &str = "octray-rays-1";
+/// What names a row of the results.
+const KEYS: [&str; 4] = ["kind", "traversal", "lanes", "threads"];
 /// The traversal with which the others are compared.
 const SCALAR: &str = Traversal::Scalar.name();
 
@@ -51,6 +59,9 @@ pub struct Report {
     pub stats: Option<Vec<RayStats>>,
     /// What was not measured, and why: each a full sentence.
     pub left_out: Vec<String>,
+    /// With `--baseline`: what its settings and its scene do not share with these.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub baseline_differences: Option<Differences>,
 }
 
 impl Report {
@@ -64,7 +75,7 @@ impl Report {
     ) -> Self {
         let [width, height] = settings.size.expect("rays have a size");
         Self {
-            schema: "octray-rays-1",
+            schema: SCHEMA,
             settings,
             reliable: false,
             scene: scene.name.clone(),
@@ -80,6 +91,40 @@ impl Report {
             results: Vec::new(),
             stats: None,
             left_out: Vec::new(),
+            baseline_differences: None,
+        }
+    }
+
+    /// Reads an earlier report; otherwise the reason why it is none.
+    pub fn read(text: &str) -> Result<Value, String> {
+        let report: Value = serde_json::from_str(text).unwrap_or_default();
+        let is_one = report["schema"] == SCHEMA && report["results"].is_array();
+        is_one.then_some(report).ok_or("it is no report of rays: make one with octray rays --json".into())
+    }
+
+    /// Adds the ratios to an earlier report, and what differs in it.
+    pub fn compare(&mut self, baseline: &Value) {
+        let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+        let parts = |report: &Value| {
+            let [settings, scene, triangles, spheres] =
+                ["settings", "scene", "triangles", "spheres"].map(|key| &report[key]);
+            json!({ "settings": settings, "scene": scene, "triangles": triangles, "spheres": spheres })
+        };
+        self.baseline_differences = Some(differences(&parts(&json(self)), &parts(baseline)));
+        for new in &mut self.results {
+            let row = json(new);
+            let is_same = |old: &&Value| KEYS.iter().all(|key| old[*key] == row[*key]);
+            let old = baseline["results"].as_array().into_iter().flatten().find(is_same);
+            new.over_baseline = old.map(|old| {
+                let [slow, fast] = [0, 1].map(|end| number(&old["mrays_per_s_spread"][end]));
+                let reliable = new.reliability.reliable && old["reliable"] == true;
+                Ratio {
+                    median: new.mrays_per_s / number(&old["mrays_per_s"]),
+                    spread: [new.mrays_per_s_spread[0] / fast, new.mrays_per_s_spread[1] / slow],
+                    rounds: 1,
+                    reliability: Reliability { reliable, ..new.reliability },
+                }
+            });
         }
     }
 }
@@ -178,6 +223,22 @@ pub fn warning(results: &[Measurement]) -> Option<String> {
         let threads = counted(threads, "thread", "threads");
         (*reliability, format!("{} rays, {traversal}, {threads}", kind.name()))
     }))
+}
+
+/// The ratios to the baseline, if there is one: a row a result that it has.
+pub fn over_baseline(report: &Report) -> String {
+    let Some(differences) = &report.baseline_differences else { return String::new() };
+    let rows = report.results.iter().filter_map(|result| {
+        let threads = counted(result.threads, "thread", "threads");
+        let name = format!("{}, {}, {}", result.kind.name(), result.traversal, stats::engine(result.lanes));
+        Some(row(&[-32, -12, 24], [name, threads, ratio(result.over_baseline?)]))
+    });
+    let meaning = format!(
+        "New over old, rays per second: of the median passes, and in brackets from the slow tenth of the new over \
+         the fast tenth of the old to the reverse. {}",
+        in_words(differences)
+    );
+    format!("\n{}{}", paragraph(&meaning), rows.collect::<String>())
 }
 
 /// The table in words.

@@ -3,6 +3,7 @@
 use crate::desk::{Desk, SCENE, assert_fits, list, number};
 use octray::lane::NATIVE_WIDTH;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 /// A sphere that hides part of a triangle.
 const MIXED: &str = r#"{
@@ -105,6 +106,62 @@ fn rays_measures_the_way_and_threads_asked_for() {
             assert!(result["traversal"] == way && result["threads"] == threads, "{result}");
         }
     }
+}
+
+#[test]
+fn rays_measures_the_widths_asked_for() {
+    let desk = Desk::new();
+    let line = |list: &str| format!("rays model.obj --size 17x9 --passes 1 --threads 1 --lanes {list}");
+    let widths = |list: &str| -> BTreeSet<u64> {
+        results(&desk.json(&line(list))).iter().map(|result| whole(&result["lanes"])).collect()
+    };
+    let native = NATIVE_WIDTH as u64;
+    assert_eq!(
+        [widths("1"), widths("auto"), widths("auto,1")],
+        [&[1][..], &[native], &[1, native]].map(|all| all.iter().copied().collect())
+    );
+    desk.refuses(&line(if native == 8 { "16" } else { "8" }), &["--lanes", "give auto"]);
+}
+
+#[test]
+fn rays_has_ratios_to_an_earlier_report_and_names_what_differs() {
+    let desk = Desk::new();
+    let line = "rays model.obj --size 17x9 --passes 2 --threads 1";
+    let mut old = desk.json(&format!("{line} --seed 3"));
+    for result in old["results"].as_array_mut().unwrap() {
+        result["mrays_per_s"] = json!(0.5);
+        result["mrays_per_s_spread"] = json!([0.25, 1.0]);
+    }
+    old["results"].as_array_mut().unwrap().pop();
+    desk.write("old.json", old.to_string());
+    let new = desk.json(&format!("{line} --baseline old.json"));
+    for (at, result) in results(&new).iter().enumerate() {
+        let Some(over) = result.get("over_baseline") else { continue };
+        let [rate, slow] = [&result["mrays_per_s"], &result["mrays_per_s_spread"][0]].map(number);
+        assert_eq!([number(&over["median"]), number(&over["spread"][0])], [rate / 0.5, slow / 1.0], "{at}");
+    }
+    let count = results(&new).iter().filter(|result| result.get("over_baseline").is_some()).count();
+    assert_eq!(count + 1, results(&new).len(), "all but the last");
+    assert_eq!(new["baseline_differences"], json!({ "seed": [0, 3] }));
+    assert!(desk.run(&format!("{line} --baseline old.json")).contains("Differences: seed 0, there 3."));
+    desk.write("frames.json", r#"{ "schema": "octray-bench-1" }"#);
+    desk.refuses(&format!("{line} --baseline frames.json"), &["--baseline", "no report of rays"]);
+}
+
+#[test]
+fn rays_start_at_the_scenes_camera_on_request() {
+    let desk = Desk::new();
+    let hits = |more: &str| {
+        let report = desk.json(&format!("rays scene.json --size 32x32 --passes 1 --threads 1{more}"));
+        (report["settings"]["camera"].clone(), whole(&results(&report)[0]["hits"]))
+    };
+    // From 5 away, a ball of radius 1 has a circle of radius 1/√24 in a square of half side tan 20°.
+    let (camera, seen) = hits(" --camera scene");
+    let share = std::f64::consts::PI / 24.0 / (2.0 * 20f64.to_radians().tan()).powi(2);
+    assert!((seen as f64 / 1024.0 - share).abs() < 0.02, "{seen} hits, {share} of the pixels");
+    let (default, overview) = hits("");
+    assert_eq!((camera, default), (json!("scene"), Value::Null));
+    assert!(overview > seen + 50, "{overview} hits");
 }
 
 #[test]

@@ -115,6 +115,9 @@ pub struct Measurement {
     /// Speed over that of the scalar traversal on as many threads: of the passes. `None` for that traversal,
     /// and where it is not measured.
     pub over_scalar: Option<Ratio>,
+    /// Speed over that in an earlier report, where it has these rays, traversal, lanes and threads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over_baseline: Option<Ratio>,
     /// Passes behind the median.
     pub passes: usize,
     /// Of the speeds.
@@ -251,6 +254,7 @@ fn measurement(set: &RaySet, run: &Run, runs: &[Run]) -> Measurement {
         mrays_per_s: rate(times.median()),
         mrays_per_s_spread: [rate(slow), rate(fast)],
         over_scalar: scalar.and_then(|scalar| Ratio::of(&run.times, &scalar.times)),
+        over_baseline: None,
         passes: times.count(),
         reliability: run.times.reliability(FEWEST_PASSES),
         disagreements: run.disagreements,

@@ -48,6 +48,9 @@ const MAX_SEEDS: u32 = 1_000;
 /// in the folder for the next run; those in motion against ground truths of their own.
 ///
 /// Times in drawings are multiples of the default's, comparable between machines; the tables have seconds.
+/// Pictures and intersection methods are timed on one thread, and compared by its processor time where other
+/// programs took more than 5 % of the wall time. Configurations of too few points, or whose times are
+/// scattered, are unreliable and compared with none.
 ///
 /// Writes report.html (one page that needs no other file), an .svg for each figure, .csv tables and
 /// chart.json. Exits with 1 if a configuration that must give the default's picture, bit by bit, gives

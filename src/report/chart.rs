@@ -1,16 +1,17 @@
 //! What `octray chart` reports: JSON, a table of every scene, warnings about the figures; and its drawings.
-//!
-//! For: [`Chart`], `drawings`, `verdict`, `text`, `warnings`.
 
 use super::chart_drawings::of_scene;
 use super::chart_kernels::intersection;
 use super::drawing::Drawing;
-use super::numbers::figure;
+use super::numbers::{figure, mark, times};
 use super::settings::RunSettings;
 use super::text::row;
+use crate::measure::chart::clock::Clock;
+use crate::measure::chart::configurations::DEFAULT;
 use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::kernels::Kernel;
 use crate::measure::chart::{SceneChart, motion, pictures};
+use crate::measure::quantiles::Spread;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::path::Path;
@@ -43,24 +44,28 @@ pub(crate) fn drawings(chart: &Chart) -> Vec<Drawing> {
     intersection(&chart.kernels).into_iter().chain(of_scenes).collect()
 }
 
-/// The verdict on a configuration.
-pub(crate) fn verdict(line: &pictures::Line) -> String {
-    let rings = line.points.iter().filter(|point| point.on_front).count();
-    let place = match line.dominated_by {
-        _ if line.is_broken() => "NOT the default's picture".to_owned(),
-        Some(better) => format!("dominated by {better}"),
-        None if rings > 0 => {
-            format!("on the front at {rings} of {}", counted(line.points.len(), "point", "points"))
-        }
-        None => "not on the front, but within the spread of the seeds at some of its points".to_owned(),
-    };
-    if line.robust { place } else { place + "; not robust" }
+/// The verdict on a configuration, in a word or two; none on what cannot be told apart.
+pub(crate) fn verdict(line: &pictures::Line) -> &'static str {
+    let Spread { p10, p90, .. } = line.time_to_equal_error;
+    match line {
+        _ if line.is_broken() => "WRONG PICTURE",
+        _ if !line.reliability.reliable => "unreliable",
+        _ if line.dominated_by.is_some() => "dominated",
+        _ if line.configuration == DEFAULT => "default",
+        _ if !line.robust => "not robust",
+        _ if p10 > 1.0 => "later",
+        _ if p90 < 1.0 => "sooner",
+        _ => "as default",
+    }
+}
+
+/// The time to equal error, with a ? where it is not reliable.
+pub(crate) fn equal_error(line: &pictures::Line) -> String {
+    times(line.time_to_equal_error.median) + mark(line.reliability)
 }
 
 /// A run that takes longer than this many budgets gets a warning.
 const MOST_OVER: f64 = 1.1;
-/// Above this ratio of the 90 % and 10 % quantiles of the default's times, over seeds, the machine was busy.
-const BUSY: f64 = 1.5;
 
 /// Why the figures may be unreliable.
 pub(crate) fn warnings(chart: &Chart) -> Vec<String> {
@@ -71,19 +76,20 @@ pub(crate) fn warnings(chart: &Chart) -> Vec<String> {
         warnings.push(format!("the run took {took:.1} s of a budget of {budget} s, with the fewest samples. Give --budget {enough} or more."));
     }
     for scene in &chart.scenes {
-        let last = scene.pictures.first().and_then(|line| line.points.last());
-        if last.is_some_and(|point| point.seconds.p90 > BUSY * point.seconds.p10) {
+        let name = &scene.scene;
+        if scene.clock == Clock::Processor {
             warnings.push(format!(
-                "the machine was busy during {}: the same work took more than {BUSY} times as long now and then.",
-                scene.scene
+                "the machine was busy during {name}: pictures are compared by processor time."
             ));
+        }
+        let unreliable = scene.pictures.iter().filter(|line| !line.reliability.reliable).count();
+        if unreliable > 0 {
+            let unreliable = counted(unreliable, "configuration of", "configurations of");
+            warnings
+                .push(format!("{unreliable} {name}: unreliable; give more --budget, or end other programs."));
         }
     }
     warnings
-}
-
-fn times(ratio: f64) -> String {
-    if ratio.is_finite() { format!("{}×", figure(ratio, 2)) } else { "–".into() }
 }
 
 /// The widths of the table's columns.
@@ -109,7 +115,7 @@ pub(crate) fn text(chart: &Chart, defaults: &RunSettings, folder: &Path) -> Stri
                 figure(last.samples, 0),
                 figure(last.seconds.median, 3),
                 format!("{:.2e}", last.rmse.median),
-                times(line.time_to_equal_error),
+                equal_error(line),
                 format!("  {}", verdict(line)),
             ];
             text += &row(&WIDTHS, cells);
@@ -127,7 +133,7 @@ pub(crate) fn text(chart: &Chart, defaults: &RunSettings, folder: &Path) -> Stri
     }
     let report = folder.join("report.html");
     text + &format!(
-        "\nEqual error: the time to this RMSE, over the default's time to the same RMSE.\n{} in {:.0} s\n",
+        "\nEqual error: the time to this RMSE, over the default's time to the same RMSE; a ? means unreliable.\n{} in {:.0} s\n",
         report.display(),
         chart.seconds
     )

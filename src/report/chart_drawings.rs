@@ -1,10 +1,10 @@
 //! The drawings of a scene in `octray chart`: pictures, frames, display filters, motion.
-//!
-//! For: [`of_scene`].
 
+use super::chart::equal_error;
 use super::drawing::{Drawing, file_name};
 use super::figure::{Figure, Line, Look, Panel};
-use super::numbers::{figure, times};
+use super::numbers::{figure, mark};
+use crate::measure::chart::clock::Clock;
 use crate::measure::chart::configurations::{DEFAULT, GROUPS, Group};
 use crate::measure::chart::motion::CameraPath;
 use crate::measure::chart::pareto::ErrorCurve;
@@ -54,9 +54,8 @@ fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
     let lines = &scene.pictures;
     let front = front_points(lines, error);
     let of = |group: Option<Group>| {
-        let on_front = |line: &pictures::Line| front.iter().any(|(on, _)| *on == line.configuration);
         let lines = lines.iter().filter(move |line| line.group == group);
-        lines.map(move |line| drawn(line, unit, error, on_front(line)))
+        lines.map(move |line| drawn(line, unit, error))
     };
     let points = falling(front.iter().map(|(_, [time, error])| [time / unit, *error]).collect());
     let name = "Pareto front".into();
@@ -67,11 +66,15 @@ fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
         lines: std::iter::once(shared.clone()).chain(of(None)).chain(of(Some(group))).collect(),
     });
     let [width, height] = scene.size;
+    let clock = match scene.clock {
+        Clock::Wall => "wall time",
+        Clock::Processor => "processor time of a busy machine",
+    };
     let notes = vec![
         "Left is faster, lower is more accurate. Each point has twice the samples of the one before (adaptive: half the target error).".into(),
-        "Pale: the Pareto front, which no robust configuration beats. Thick: the default. Thin: never on the front. Dashed: not robust.".into(),
-        "Numbers: the time to the RMSE of the last point, over the default's.".into(),
-        format!("{width}×{height} on one thread, {seeds} seeds: medians, and 10 to 90 % of them."),
+        "Pale: the Pareto front, which no robust configuration beats. Thick: the default. Thin: dominated. Dashed: not robust.".into(),
+        "Numbers: the time to the RMSE of the last point, over the default's; a ? means unreliable.".into(),
+        format!("{width}×{height} on one thread, {clock}, {seeds} seeds: medians, and 10 to 90 % of them."),
     ];
     Figure {
         title: format!("{}: error against time", scene.scene),
@@ -83,7 +86,7 @@ fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
 }
 
 /// The line of a configuration, with times in multiples of `unit`.
-fn drawn(line: &pictures::Line, unit: f64, error: ErrorOf, on_front: bool) -> Line {
+fn drawn(line: &pictures::Line, unit: f64, error: ErrorOf) -> Line {
     let at = |point: &Point| [point.seconds.median / unit, error(point).median];
     let band = |point: &Point| {
         let Spread { p10, p90, .. } = error(point);
@@ -92,12 +95,12 @@ fn drawn(line: &pictures::Line, unit: f64, error: ErrorOf, on_front: bool) -> Li
     let look = match line {
         _ if line.configuration == DEFAULT => Look::Default,
         _ if !line.robust => Look::Dashed,
-        _ if on_front => Look::Plain,
-        _ => Look::Behind,
+        _ if line.dominated_by.is_some() => Look::Behind,
+        _ => Look::Plain,
     };
     Line {
         name: line.configuration.into(),
-        figure: if look == Look::Default { String::new() } else { times(line.time_to_equal_error) },
+        figure: if look == Look::Default { String::new() } else { equal_error(line) },
         look,
         number: number(line.configuration),
         points: line.points.iter().map(at).collect(),
@@ -122,7 +125,7 @@ fn front_points(lines: &[pictures::Line], error: ErrorOf) -> Vec<(&'static str, 
     let mut found = Vec::new();
     for (number, (line, curve)) in robust.iter().enumerate() {
         let others = || robust.iter().enumerate().filter(|(other, _)| *other != number);
-        let beaten = |level| others().any(|(_, (_, other))| other.passes_below(curve, level));
+        let beaten = |level| others().any(|(_, (_, other))| other.beats(curve, level));
         let left = line.points.iter().enumerate().filter(|(level, _)| !beaten(*level));
         found.extend(left.map(|(_, point)| (line.configuration, at(point))));
     }
@@ -147,7 +150,7 @@ fn frames(scene: &SceneChart) -> Figure {
         let known = frames.moments.iter().filter_map(|moment| Some([moment.after_s, moment.rmse?.median]));
         Line {
             name: frames.configuration.into(),
-            figure: format!("{} fps", figure(frames.fps.median, 0)),
+            figure: format!("{} fps{}", figure(frames.fps.median, 0), mark(frames.reliability)),
             look: if frames.configuration == DEFAULT { Look::Default } else { Look::Plain },
             number: number(frames.configuration),
             points: known.collect(),
@@ -232,6 +235,8 @@ fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
 mod tests {
     use super::*;
     use crate::measure::chart::ground_truth::GroundTruthInfo;
+    use crate::measure::cores::Reliability;
+    use crate::report::chart::verdict;
     use crate::report::drawing::{line_class, marks};
 
     /// Seven doublings from a time and an error on; the error falls with the root of time.
@@ -243,6 +248,8 @@ mod tests {
             Point {
                 samples,
                 seconds: one(seconds * samples),
+                wall_s: one(seconds * samples),
+                processor_s: one(seconds * samples),
                 rmse: error,
                 relmse: error,
                 relmse_trimmed: error,
@@ -256,8 +263,9 @@ mod tests {
             points: (0..7).map(point).collect(),
             robust: Group::of(configuration) != Some(Group::NotRobust),
             pictures_unlike_default: None,
-            time_to_equal_error: seconds * error * error,
-            dominated_by: (seconds > 1.0).then_some(DEFAULT),
+            time_to_equal_error: one(seconds * error * error),
+            dominated_by: (configuration == "scalar").then_some(DEFAULT),
+            reliability: Reliability { reliable: true, pinned: true, taken: Some(0.0) },
         }
     }
 
@@ -271,6 +279,7 @@ mod tests {
             frame_size: [3, 3],
             truth,
             default_pass_s: pictures::pass_time(&pictures[0]),
+            clock: Clock::Wall,
             pictures,
             frames: Vec::new(),
             display: Vec::new(),
@@ -306,6 +315,23 @@ mod tests {
     }
 
     #[test]
+    fn verdicts_are_none_on_what_is_unreliable_or_cannot_be_told_apart() {
+        let lines = [
+            ("random numbers", 2.0),
+            ("random numbers", 1.05),
+            ("random numbers", 0.5),
+            ("scalar", 7.0),
+            ("naive spheres", 0.1),
+            (DEFAULT, 1.0),
+        ];
+        let verdicts = lines.map(|(name, seconds)| verdict(&measured(name, seconds, 1.0)));
+        assert_eq!(verdicts, ["later", "as default", "sooner", "dominated", "not robust", "default"]);
+        let mut doubtful = measured("scalar", 7.0, 1.0);
+        doubtful.reliability.reliable = false;
+        assert_eq!((verdict(&doubtful), &equal_error(&doubtful)[..]), ("unreliable", "7.0×?"));
+    }
+
+    #[test]
     fn front_is_one_falling_line_of_robust_points() {
         // Quick and rough, slow and fine, and between them one that is always behind.
         let lines = vec![
@@ -323,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn configurations_never_on_the_front_are_thin_and_methods_that_fail_dashed() {
+    fn dominated_configurations_are_thin_and_methods_that_fail_dashed() {
         // Times are multiples of the default's sample: the same on any machine.
         for unit in [1e-4, 3.0] {
             let lines = vec![

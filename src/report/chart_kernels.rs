@@ -1,6 +1,4 @@
 //! The drawings of intersection methods in `octray chart`: cost beside failures and errors.
-//!
-//! For: [`intersection`].
 
 use super::dots::{Column, DotTable};
 use super::drawing::Drawing;
@@ -62,6 +60,7 @@ fn scientific(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::cores::Reliability;
 
     #[test]
     fn costs_are_ratios_to_the_default_at_the_same_width() {
@@ -73,6 +72,9 @@ mod tests {
             lanes,
             ns,
             ns_spread: [ns, ns],
+            wall_ns: ns,
+            processor_ns: ns,
+            reliability: Reliability { reliable: true, pinned: true, taken: None },
             p99: None,
             failures: 0.125,
             error_case: None,

@@ -1,7 +1,5 @@
 //! A table of dots: a row for each thing, a column with an axis of its own for each measure (W. Cleveland's
 //! dot plot), drawn as SVG.
-//!
-//! For: [`DotTable`].
 
 use super::drawing::{LETTER, LINE, MARGIN, WIDTH, marks, stroke, svg, text};
 use super::scale::Scale;

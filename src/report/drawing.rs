@@ -1,6 +1,4 @@
 //! What all drawings share: colours for light and dark pages, marks, title and notes.
-//!
-//! For: [`Drawing`], [`file_name`].
 
 use maud::{Markup, PreEscaped, html};
 use textwrap::wrap;

@@ -1,7 +1,5 @@
 //! Lines in planes with two logarithmic axes, drawn as SVG.
 //!
-//! For: [`Figure`], [`Panel`], [`Line`].
-//!
 //! Planes stand one below the other with shared axes. Each has its legend to the right, in the order in which
 //! its lines end.
 

@@ -1,6 +1,4 @@
 //! A chart as one page of HTML that needs no other file: drawings, what was found, tables, and a glossary.
-//!
-//! For: [`page`].
 
 use super::chart::{Chart, verdict};
 use super::chart_drawings::of_scene;
@@ -25,10 +23,10 @@ figure { margin: 1rem 0; overflow-x: auto }
 figure svg { display: block; width: 100%; min-width: 50rem; height: auto }
 .wide { overflow-x: auto }
 table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums }
-th, td { padding: 0.25rem 0.5rem; border-bottom: 1px solid #ccc; text-align: right; vertical-align: baseline }
+th, td { padding: 0.25rem 0.4rem; border-bottom: 1px solid #ccc; text-align: right; vertical-align: baseline }
 th:first-child, td:first-child, .text { text-align: left }
 td { white-space: pre }
-td.text { white-space: normal; min-width: 9rem }
+td.text, td:first-child { white-space: normal }
 .default { font-weight: bold }
 small { color: #555 }
 @media screen and (prefers-color-scheme: dark) { body { color: #e6edf3; background: #0d1117 } small { color: #9aa4ae } th, td { border-color: #30363d } }
@@ -36,7 +34,7 @@ small { color: #555 }
 ";
 
 /// The words of the page.
-const WORDS: [(&str, &str); 14] = [
+const WORDS: [(&str, &str); 17] = [
     ("ground truth", "a picture of so many samples that its own error is small"),
     (
         "RMSE",
@@ -57,7 +55,18 @@ const WORDS: [(&str, &str); 14] = [
         "of a configuration: for nine of ten seeds, a robust one has a smaller error in the same time, at each point; of a method: another is \
          faster beyond the spread, with no larger error and no more failures",
     ),
-    ("on the front", "no robust configuration has a smaller error in the same time, by the medians"),
+    ("sooner, later", "of 10 to 90 % of the seeds, the time to equal error is below 1, or above 1"),
+    ("as default", "the time to equal error cannot be told from the default's"),
+    (
+        "unreliable",
+        "of the configuration or of the default: fewer than three points, or times of the same work that differ by more than half; it is compared \
+         with none",
+    ),
+    (
+        "taken",
+        "the share of the time that other programs took: above 0.05 the machine was busy. Then processor time decides where one thread runs; \
+         times of more threads are not reliable",
+    ),
     ("p99", "the error of t that 99 % of the cases stay below"),
     ("failures", "the share of the cases that fail"),
     ("fps", "passes (one sample per pixel) per second"),
@@ -105,6 +114,7 @@ fn found(chart: &Chart) -> Markup {
         0 => "No other configuration dominates the default.".into(),
         _ => format!("The default is dominated in {} of {scenes}.", counted(beaten, "scene", "scenes")),
     };
+    let doubtful = lines().filter(|(_, line)| !line.reliability.reliable).count();
     let unlike: usize = lines().filter_map(|(_, line)| line.pictures_unlike_default).sum();
     let same = match unlike {
         0 => "Configurations that must give the default's picture gave it, bit by bit.".into(),
@@ -118,7 +128,7 @@ fn found(chart: &Chart) -> Markup {
     });
     html! {
         h2 { "What was found" }
-        ul { li { (default) } li { (same) } li { (list_of_dominated(dominated.collect())) } }
+        ul { li { (default) } @if doubtful > 0 { li { (counted(doubtful, "line is", "lines are")) " unreliable and compared with none." } } li { (same) } li { (list_of_dominated(dominated.collect())) } }
         p {
             small {
                 "Pictures are timed on one thread and at a third of a frame's width and height. Which traversal is the fastest depends on the \
@@ -144,7 +154,7 @@ fn of_one(
     let (by_configuration, by_filter) = (("configuration", DEFAULT), ("filter", FILTERS[0]));
     html! {
         h2 { (scene.scene) }
-        (table(figures, &["pictures"], "configuration verdict time_to_equal_error last/samples last/seconds last/rmse/median last/relmse/median last/relmse_trimmed/median last/flip/median", by_configuration))
+        (table(figures, &["pictures"], "configuration verdict time_to_equal_error last/samples last/wall_s/median last/processor_s/median taken last/rmse/median last/flip/median", by_configuration))
         (drawn(relmse))
         (drawn(flip))
         p {
@@ -156,11 +166,11 @@ fn of_one(
             }
         }
         (drawn(frames))
-        (table(figures, &["frames", "moments"], "configuration fps after_s samples rmse flip", by_configuration))
+        (table(figures, &["frames", "moments"], "configuration fps after_s samples rmse flip reliable taken", by_configuration))
         (drawn(display))
-        (table(figures, &["display"], "filter samples rmse flip frame_ms filter_ms", by_filter))
+        (table(figures, &["display"], "filter samples rmse flip frame_ms filter_ms reliable taken", by_filter))
         (drawn(motion))
-        (table(figures, &["motion"], "path filter rmse times_lower frame_ms filter_ms", by_filter))
+        (table(figures, &["motion"], "path filter rmse times_lower frame_ms filter_ms reliable taken", by_filter))
         p {
             small {
                 "The camera moves by a quarter of the distance to near surfaces per second, or turns by 30° per second, at 60 frames per second \
@@ -210,7 +220,7 @@ fn cell(value: &Value) -> String {
     match value {
         Value::Null => "–".into(),
         Value::String(word) => word.clone(),
-        Value::Bool(yes) => yes.to_string(),
+        Value::Bool(yes) => if *yes { "yes" } else { "no" }.into(),
         Value::Number(x) => match x.as_f64().unwrap_or(f64::NAN) {
             whole if whole.fract() == 0.0 => whole.to_string(),
             x => number(x),
@@ -233,7 +243,7 @@ fn intersection(chart: &Chart, figures: &Value) -> Markup {
         p { "The error of a picture hardly shows where intersection methods fail. The drawings below show it on difficult inputs; " code { "octray stability" } " has more of them." }
         p { (list_of_dominated(dominated.collect())) }
         @for drawing in of_kernels(&chart.kernels) { (drawn(&drawing)) }
-        (table(figures, &["kernels"], "method family lanes ns failures p99", ("default", "true")))
+        (table(figures, &["kernels"], "method family lanes wall_ns processor_ns reliable taken failures p99", ("default", "yes")))
     }
 }
 

@@ -1,6 +1,4 @@
 //! Maps numbers to positions along an axis, and chooses its ticks.
-//!
-//! For: [`Scale`].
 
 /// A logarithmic scale spans at least so many decades.
 const LEAST_DECADES: f64 = 0.5;

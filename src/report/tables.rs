@@ -1,6 +1,4 @@
 //! A chart's figures as rows of tables, and as CSV for spreadsheets and other programs: made from its JSON.
-//!
-//! For: [`json`], [`Row`], [`tables`].
 
 use super::chart::Chart;
 use serde_json::Value;
@@ -46,27 +44,28 @@ const TABLES: [Table; 5] = [
     (
         "pictures",
         &["scenes", "pictures", "points"],
-        "scene configuration samples *seconds *rmse *relmse *relmse_trimmed *flip on_front default_passes",
+        "scene configuration samples *seconds *wall_s *processor_s *rmse *relmse *relmse_trimmed *flip on_front \
+         reliable taken default_passes",
     ),
     (
         "frames",
         &["scenes", "frames", "moments"],
-        "scene configuration threads seeds *fps after_s *samples *rmse *flip",
+        "scene configuration threads seeds *fps after_s *samples *rmse *flip reliable taken",
     ),
     (
         "display",
         &["scenes", "display"],
-        "scene filter samples threads seeds *rmse *flip *frame_ms *filter_ms",
+        "scene filter samples threads seeds *rmse *flip *frame_ms *filter_ms reliable taken",
     ),
     (
         "motion",
         &["scenes", "motion"],
-        "scene path filter threads frames speed rmse times_lower *frame_ms *filter_ms",
+        "scene path filter threads frames speed rmse times_lower *frame_ms *filter_ms reliable taken",
     ),
     (
         "kernels",
         &["kernels"],
-        "family method default lanes ns ns_p10=ns_spread/0 ns_p90=ns_spread/1 \
+        "family method default lanes ns ns_p10=ns_spread/0 ns_p90=ns_spread/1 wall_ns processor_ns reliable taken \
          failures failure_test_case=failure_case/test_case failure_place=failure_case/place \
          p99 error_test_case=error_case/test_case error_place=error_case/place",
     ),
@@ -139,22 +138,24 @@ mod tests {
         let of = |median: f64| json!({ "median": median, "p10": median - 0.5, "p90": median + 0.25 });
         let moment = |rmse| json!({ "after_s": 0.5, "samples": of(20.0), "rmse": rmse, "flip": of(40.0) });
         let moments = [moment(of(30.0)), moment(Value::Null)];
-        let frames = json!({ "configuration": "two, three", "threads": 7, "seeds": 9, "fps": of(10.0), "moments": moments });
+        let frames = json!({ "configuration": "two, three", "threads": 7, "seeds": 9, "fps": of(10.0), "moments": moments,
+            "reliable": false, "taken": 0.25 });
         let point = json!({
-            "samples": 1.5, "seconds": of(2.0), "rmse": of(3.0), "relmse": of(4.0), "relmse_trimmed": of(5.0),
+            "samples": 1.5, "seconds": of(2.0), "wall_s": of(2.5), "processor_s": of(2.0), "rmse": of(3.0), "relmse": of(4.0), "relmse_trimmed": of(5.0),
             "flip": of(6.0), "on_front": true,
         });
-        let pictures = json!([{ "configuration": "one", "points": [point] }]);
+        let pictures =
+            json!([{ "configuration": "one", "reliable": true, "taken": 0.125, "points": [point] }]);
         let scene =
             json!({ "scene": "three", "default_pass_s": 0.5, "pictures": pictures, "frames": [frames] });
         let kernel = json!({
-            "family": "box", "method": "fma", "default": false, "lanes": 8, "ns": 0.5, "ns_spread": [0.25, 0.75],
+            "family": "box", "method": "fma", "default": false, "lanes": 8, "ns": 0.5, "ns_spread": [0.25, 0.75], "wall_ns": 0.75, "processor_ns": 0.5, "reliable": true, "taken": null,
             "p99": null, "failures": 0.0625, "error_case": null, "failure_case": { "test_case": "lost", "place": 12.0 },
         });
         let chart = json!({ "seeds": 8, "scenes": [scene], "kernels": [kernel] });
         let of_frames = "scene=three configuration=two, three threads=7 seeds=9 fps=10 fps_p10=9.5 fps_p90=10.25 \
                          after_s=0.5 samples=20 samples_p10=19.5 samples_p90=20.25";
-        let flip = "flip=40 flip_p10=39.5 flip_p90=40.25";
+        let flip = "flip=40 flip_p10=39.5 flip_p90=40.25 reliable=false taken=0.25";
         assert_eq!(
             named("frames", &chart),
             [
@@ -164,10 +165,14 @@ mod tests {
         );
         let pictures = &named("pictures", &chart)[0];
         assert!(pictures.starts_with("scene=three configuration=one samples=1.5 seconds=2 "), "{pictures}");
-        assert!(pictures.ends_with(" on_front=true default_passes=4"), "{pictures}");
+        assert!(
+            pictures.ends_with(" on_front=true reliable=true taken=0.125 default_passes=4"),
+            "{pictures}"
+        );
         assert_eq!(
             named("kernels", &chart),
-            ["family=box method=fma default=false lanes=8 ns=0.5 ns_p10=0.25 ns_p90=0.75 failures=0.0625 \
+            ["family=box method=fma default=false lanes=8 ns=0.5 ns_p10=0.25 ns_p90=0.75 wall_ns=0.75 \
+              processor_ns=0.5 reliable=true taken= failures=0.0625 \
               failure_test_case=lost failure_place=12 p99= error_test_case= error_place="]
         );
     }

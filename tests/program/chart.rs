@@ -70,8 +70,11 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
                 empty.remove(column);
             });
         }
-        // Errors below that of the ground truth are unknown.
-        assert!(empty.iter().all(|column| column.starts_with("rmse")), "{name} has no cells in {empty:?}");
+        // Errors below that of the ground truth are unknown, and a system may not say what others took.
+        assert!(
+            empty.iter().all(|column| column.starts_with("rmse") || column == "taken"),
+            "{name} has no cells in {empty:?}"
+        );
     }
     for name in [
         "scene-json-pictures",

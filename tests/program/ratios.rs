@@ -59,7 +59,7 @@ pub fn assert_follow_from_points(lines: &[Value]) {
     let [default, scalar] = ["default", "scalar"].map(|name| list(&named(name)["points"]));
     let last = default.len().min(scalar.len()) - 1;
     let seconds = |points: &[Value]| number(&points[last]["seconds"]["median"]);
-    let told = number(&named("scalar")["time_to_equal_error"]);
+    let told = number(&named("scalar")["time_to_equal_error"]["median"]);
     assert_same(told, seconds(scalar) / seconds(default), named("scalar"));
     let rmse = &default[0]["rmse"];
     assert!(number(&rmse["p10"]) < number(&rmse["p90"]), "pictures of eight seeds: {rmse}");

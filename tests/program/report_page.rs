@@ -62,7 +62,7 @@ pub fn assert_stands_alone(page: &str, report: &Value, scene: &str) {
         let meaning = MEANINGS.into_iter().find(|(name, _)| kernel["method"] == *name).unwrap().1;
         assert!(page.contains(meaning), "{kernel} is explained");
     }
-    for word in ["relMSE", "trimmed", "FLIP", "FXAA", "dominated", "p99"] {
+    for word in ["relMSE", "trimmed", "FLIP", "FXAA", "dominated", "taken", "p99"] {
         assert!(page.contains(&format!("<td>{word}</td>")), "{word} is explained");
     }
     let commit = report["settings"]["machine"]["commit"].as_str().unwrap();
@@ -88,22 +88,24 @@ fn browser_shows_the_page_on_a_phone_and_prints_it() {
             const bad = (box, at) => box.left < frame.left - 1 || box.right > frame.right + 1 || boxes.slice(0, at).some(other => covers(box, other));
             return texts.filter((_, at) => bad(boxes[at], at)).map(text => text.textContent);
         });
+        const cut = Math.max(...[...document.querySelectorAll('.wide')].map(table => table.scrollWidth - table.clientWidth));
         const text = document.createElement('p');
-        text.textContent = `width ${document.documentElement.scrollWidth} of ${innerWidth}, ${figures.length} figures, narrowest ${Math.round(narrow)}; texts: ${faults.join(', ')}.`;
+        text.textContent = `width ${document.documentElement.scrollWidth} of ${innerWidth}, ${figures.length} figures, narrowest ${Math.round(narrow)}, ${cut} of a table outside; texts: ${faults.join(', ')}.`;
         document.body.append(text);
     </script>";
     let page = desk.text("new/charts/report.html");
     let drawings = page.matches("<svg ").count();
     desk.write("new/charts/report.html", page.replace("</body>", &format!("{probe}</body>")));
-    for width in [500, 1_400] {
+    for width in [500, 800, 1_400] {
         let dom = dom(&file, width).unwrap();
         let (_, seen) = dom.rsplit_once("<p>width ").expect("the script has run");
         let numbers = seen.split(|c: char| !c.is_ascii_digit()).filter_map(|digits| digits.parse().ok());
-        let numbers: Vec<usize> = numbers.take(4).collect();
-        let [needed, given, figures, narrowest] = numbers[..] else { panic!("{seen}") };
+        let numbers: Vec<usize> = numbers.take(5).collect();
+        let [needed, given, figures, narrowest, cut] = numbers[..] else { panic!("{seen}") };
         assert!(needed <= given, "the page is wider than the window: {seen}");
         assert_eq!(figures, drawings, "{seen}");
         assert!(narrowest >= 800.min(given), "figures keep their letters readable, and scroll: {seen}");
+        assert!(cut == 0 || given < 800, "tables show all columns from 800 pixels on: {seen}");
         assert!(seen.contains("texts: ."), "texts leave their drawing or cover each other: {seen}");
     }
     let printed =

@@ -37,10 +37,10 @@ impl Reliability {
         };
         Self { reliable: true, pinned, taken: lost.map(|lost| (lost / wall).clamp(0.0, 1.0)) }
     }
-    /// Of two turns of a round: that of the one that lost more.
+    /// Of two turns or figures together: what others took of the one that lost more.
     pub fn worse(&self, other: &Self) -> Self {
         let taken = [self.taken, other.taken].into_iter().flatten().reduce(f64::max);
-        Self { taken, pinned: self.pinned && other.pinned, ..*self }
+        Self { reliable: self.reliable && other.reliable, pinned: self.pinned && other.pinned, taken }
     }
     /// Of a figure, from its turns; it has enough samples or has not.
     pub fn of(turns: &[Self], enough: bool) -> Self {

@@ -1,7 +1,5 @@
 //! The configurations of the renderer that a chart compares.
 //!
-//! For: [`Configuration`], [`of_scene`], [`Group`].
-//!
 //! Each differs from the default in one setting, so that the chart shows the cost and the benefit of that
 //! setting.
 

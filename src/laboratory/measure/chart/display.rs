@@ -1,12 +1,11 @@
 //! Error and time of the display filters on frames of a few samples.
-//!
-//! For: `measure`.
 
 use super::ground_truth::GroundTruth;
 use crate::display::{Blur, Denoiser, Fxaa, Samples};
 use crate::film::Picture;
 use crate::integrate::aovs::Aovs;
 use crate::integrate::edge_aovs::DenoiserAovs;
+use crate::measure::cores::{Reliability, on_own_cores};
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::measure::quantiles::{Rounds, Spread};
@@ -22,6 +21,8 @@ pub(crate) const SAMPLES: [u32; 3] = [1, 4, 16];
 pub const FILTERS: [&str; 4] = ["as it is", "blurred", "FXAA", "denoised"];
 /// Most seeds behind a median.
 const MOST_SEEDS: usize = 8;
+/// Fewest seeds of times that are relied on.
+const FEWEST_SEEDS: usize = 3;
 
 /// One filter on pictures of one number of samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,6 +44,9 @@ pub struct FilterResult {
     pub frame_ms: Spread,
     /// Time to filter them, in milliseconds. The denoiser's AOVs are rendered anew, as when the camera moves.
     pub filter_ms: Spread,
+    /// Of the times.
+    #[serde(flatten)]
+    pub reliability: Reliability,
 }
 
 /// Measurements of one filter and number of samples, by seed.
@@ -52,6 +56,7 @@ struct BySeed {
     flip: Vec<f64>,
     frame_ms: Vec<f64>,
     filter_ms: Vec<f64>,
+    turns: Vec<Reliability>,
 }
 
 /// Filters frames of as many seeds as the time allows, at least one. `settings` are those of frames.
@@ -79,18 +84,27 @@ pub(crate) fn measure(
         let mut frame = Duration::ZERO;
         for (samples, of_samples) in SAMPLES.into_iter().zip(taken.chunks_mut(FILTERS.len())) {
             let more = samples - film.samples();
-            frame += renderer.on_threads(|| {
-                // Untimed: the filters have just used the caches.
-                renderer.add_samples(&mut renderer.film(), 1);
-                let start = Instant::now();
-                renderer.add_samples(&mut film, more);
-                start.elapsed()
+            let (rendering, of_frame) = renderer.on_threads(|| {
+                on_own_cores(threads, || {
+                    // Untimed: the filters have just used the caches.
+                    renderer.add_samples(&mut renderer.film(), 1);
+                    let start = Instant::now();
+                    renderer.add_samples(&mut film, more);
+                    start.elapsed()
+                })
             });
-            let picture = film.picture();
+            frame += rendering;
+            let (picture, renderer) = (&film.picture(), &renderer);
             for (filter, taken) in FILTERS.into_iter().zip(of_samples) {
-                let start = Instant::now();
-                let shown = filters.apply(filter, &picture, samples, &renderer);
-                taken.filter_ms.push(1e3 * start.elapsed().as_secs_f64());
+                let filters = &mut filters;
+                let ((shown, filtering), load) = renderer.on_threads(move || {
+                    on_own_cores(threads, move || {
+                        let start = Instant::now();
+                        (filters.apply(filter, picture, samples, renderer), start.elapsed())
+                    })
+                });
+                taken.turns.extend([of_frame, load]);
+                taken.filter_ms.push(1e3 * filtering.as_secs_f64());
                 taken.frame_ms.push(1e3 * frame.as_secs_f64());
                 taken.rmse.push(Errors::of(shown, &ground_truth.frame).rmse);
                 taken.flip.push(flip.against(shown));
@@ -106,6 +120,7 @@ pub(crate) fn measure(
         flip: Spread::of(taken.flip.iter().copied()),
         frame_ms: Spread::of(taken.frame_ms.iter().copied()),
         filter_ms: Spread::of(taken.filter_ms.iter().copied()),
+        reliability: Reliability::of(&taken.turns, taken.rmse.len() >= FEWEST_SEEDS),
     };
     taken.iter().enumerate().map(shown).collect()
 }

@@ -1,15 +1,15 @@
 //! The interactive view: frames per second on all cores, and the error of the accumulated picture after a
 //! given time.
-//!
-//! For: `measure`.
 
 use super::configurations::Configuration;
 use super::ground_truth::GroundTruth;
 use crate::film::Picture;
+use crate::measure::bench::FEWEST_FRAMES;
+use crate::measure::cores::Reliability;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::measure::quantiles::{Quantiles, Rounds, Spread};
-use crate::measure::timed::TimedRenderer;
+use crate::measure::timed::{TimedRenderer, Times};
 use crate::scene::Scene;
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -44,14 +44,17 @@ pub struct Frames {
     pub seeds: usize,
     /// Frames of one sample per pixel per second: each accumulation's median frame.
     pub fps: Spread,
+    /// Of `fps`.
+    #[serde(flatten)]
+    pub reliability: Reliability,
     /// The picture at 1/30 s, 0.2 s and 1 s.
     pub moments: Vec<Moment>,
 }
 
-/// One accumulation: the picture and its samples at each of [`MOMENTS`], and the seconds of every frame.
+/// One accumulation: the picture and its samples at each of [`MOMENTS`], and the times of every frame.
 struct Accumulation {
     pictures: Vec<(Picture, u32)>,
-    seconds: Vec<f64>,
+    times: Times,
 }
 
 /// Accumulates for a second with every configuration in each round. A round is a seed; at least one, and as
@@ -89,7 +92,7 @@ fn accumulate(timed: &mut TimedRenderer) -> Accumulation {
         }
         pictures.push((timed.film.picture(), timed.film.samples()));
     }
-    Accumulation { pictures, seconds: std::mem::take(&mut timed.times.seconds) }
+    Accumulation { pictures, times: std::mem::take(&mut timed.times) }
 }
 
 fn frames(
@@ -99,7 +102,7 @@ fn frames(
     ground_truth: &GroundTruth,
     flip: &Flip,
 ) -> Frames {
-    let rates = taken.iter().map(|one| 1.0 / Quantiles::of(one.seconds.clone()).median());
+    let rates = taken.iter().map(|one| 1.0 / Quantiles::of(one.times.seconds.clone()).median());
     let moment = |(number, &after_s): (usize, &f64)| {
         let pictures = || taken.iter().map(|one| &one.pictures[number]);
         Moment {
@@ -115,6 +118,11 @@ fn frames(
         threads,
         seeds: taken.len(),
         fps: Spread::of(rates),
+        reliability: taken
+            .iter()
+            .map(|one| one.times.reliability(FEWEST_FRAMES))
+            .reduce(|one, other| one.worse(&other))
+            .expect("at least one accumulation"),
         moments: MOMENTS.iter().enumerate().map(moment).collect(),
     }
 }

@@ -1,7 +1,5 @@
 //! The ground truth: the converged picture with which all others are compared, and its own standard error.
 //!
-//! For: [`GroundTruth`].
-//!
 //! It is rendered with independent random numbers (the default's are low-discrepancy) and its own seeds, in
 //! two halves. Half the distance of the halves is the standard error of their mean. At a third of the size,
 //! every pixel is the mean of 3×3 pixels: the view is the same and pixels are averaged over their whole area,

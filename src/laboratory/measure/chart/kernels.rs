@@ -1,12 +1,12 @@
 //! The intersection methods alone: time of a test, and error and failures on difficult inputs.
-//!
-//! For: [`measure`].
 
+use super::clock::{self, Clock, Times};
 use crate::kernel::ray_sphere::SphereMethod;
 use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{Lane, NATIVE_WIDTH, Native};
+use crate::measure::cores::Reliability;
 use crate::measure::kernel_set::{self as set, Found};
-use crate::measure::quantiles::{Quantiles, Rounds};
+use crate::measure::quantiles::Rounds;
 use crate::measure::stability::methods::{Method, box_methods, sphere_methods, triangle_methods};
 use crate::measure::stability::{Effort, test_case};
 use crate::methods::BoxMethod;
@@ -25,10 +25,18 @@ pub struct Kernel {
     pub default: bool,
     /// [`NATIVE_WIDTH`] or 1.
     pub lanes: usize,
-    /// Nanoseconds of one core per test of one ray against one primitive.
+    /// Nanoseconds of one core per test of one ray against one primitive: of processor time where the machine
+    /// is busy.
     pub ns: f64,
     /// The 10th and the 90th percentile of the turns.
     pub ns_spread: [f64; 2],
+    /// By the clock on the wall.
+    pub wall_ns: f64,
+    /// Of the thread's own processor time.
+    pub processor_ns: f64,
+    /// Of `ns`.
+    #[serde(flatten)]
+    pub reliability: Reliability,
     /// The 99th percentile of the error of t, in the unit of `error_case`'s test case; null for boxes, which
     /// have none.
     pub p99: Option<f64>,
@@ -106,7 +114,7 @@ struct TimedKernel {
     lanes: usize,
     work: Work,
     /// Nanoseconds per test, by turn.
-    turns: Vec<f64>,
+    turns: Times,
 }
 
 /// Length of a turn: long against the time of reading the clock, short against the drift of clock rates.
@@ -126,7 +134,7 @@ pub fn measure(end: Instant) -> Vec<Kernel> {
                 default,
                 lanes,
                 work: run(lanes),
-                turns: Vec::new(),
+                turns: Times::default(),
             }));
         }
     };
@@ -137,30 +145,37 @@ pub fn measure(end: Instant) -> Vec<Kernel> {
     for _ in Rounds::until(end, 3, usize::MAX) {
         all.iter_mut().for_each(TimedKernel::turn);
     }
-    all.iter().zip(errors).map(|(timed, errors)| timed.kernel(errors)).collect()
+    let clock = Clock::of(all.iter().map(|timed| &timed.turns));
+    all.iter().zip(errors).map(|(timed, errors)| timed.kernel(clock, errors)).collect()
 }
 
 impl TimedKernel {
     fn turn(&mut self) {
         // Untimed: the method before left its own data and branches in the caches.
         black_box((self.work)());
-        let (start, mut rounds) = (Instant::now(), 0);
-        while start.elapsed() < TURN {
-            black_box((self.work)());
-            rounds += 1;
-        }
-        self.turns.push(start.elapsed().as_secs_f64() * 1e9 / (rounds * set::TESTS) as f64);
+        let mut rounds = 0;
+        let seconds = clock::time(|| {
+            let start = Instant::now();
+            while start.elapsed() < TURN {
+                black_box((self.work)());
+                rounds += 1;
+            }
+        });
+        self.turns.push(seconds.map(|seconds| seconds * 1e9 / (rounds * set::TESTS) as f64));
     }
 
-    fn kernel(&self, (p99, failures): (Option<f64>, f64)) -> Kernel {
-        let turns = Quantiles::of(self.turns.clone());
+    fn kernel(&self, clock: Clock, (p99, failures): (Option<f64>, f64)) -> Kernel {
+        let turns = self.turns.spread(clock);
         Kernel {
             family: self.family.name,
             method: self.method,
             default: self.default,
             lanes: self.lanes,
-            ns: turns.median(),
-            ns_spread: turns.spread(),
+            ns: turns.median,
+            ns_spread: [turns.p10, turns.p90],
+            wall_ns: self.turns.spread(Clock::Wall).median,
+            processor_ns: self.turns.spread(Clock::Processor).median,
+            reliability: self.turns.reliability(clock, true),
             p99,
             failures,
             error_case: self.family.error,
@@ -182,7 +197,7 @@ fn errors(timed: &TimedKernel) -> (Option<f64>, f64) {
 
 impl Kernel {
     /// The fastest other method of the family at the same width that is faster beyond the spread of the turns
-    /// and has no larger error and no more failures.
+    /// and has no larger error and no more failures. Both times must be reliable.
     pub fn dominated_by<'a>(&self, all: &'a [Kernel]) -> Option<&'a Kernel> {
         let better = |other: &&Kernel| {
             let peer =
@@ -190,7 +205,8 @@ impl Kernel {
             let errors = (other.p99.unwrap_or(0.0), other.failures);
             let ours = (self.p99.unwrap_or(0.0), self.failures);
             let as_accurate = errors.0 <= ours.0 && errors.1 <= ours.1;
-            peer && as_accurate && other.ns_spread[1] < self.ns_spread[0]
+            let reliable = self.reliability.worse(&other.reliability).reliable;
+            peer && as_accurate && reliable && other.ns_spread[1] < self.ns_spread[0]
         };
         all.iter().filter(better).min_by(|a, b| a.ns.total_cmp(&b.ns))
     }
@@ -226,6 +242,9 @@ mod tests {
             lanes: 8,
             ns,
             ns_spread: [ns * 0.95, ns * 1.05],
+            wall_ns: ns,
+            processor_ns: ns,
+            reliability: Reliability { reliable: true, pinned: true, taken: None },
             p99: Some(1e-6),
             failures,
             error_case: None,
@@ -235,6 +254,9 @@ mod tests {
             [of("fast", 1.0, 0.1), of("right", 2.0, 0.0), of("bad", 3.0, 0.1), of("as fast", 1.02, 0.1)];
         let by = |number: usize| all[number].dominated_by(&all).map(|other| other.method);
         assert_eq!([by(0), by(1), by(2), by(3)], [None, None, Some("fast"), None]);
+        let reliability = Reliability { reliable: false, ..all[2].reliability };
+        let doubtful = Kernel { reliability, ..all[2].clone() };
+        assert_eq!(doubtful.dominated_by(&all), None);
         let exact = Kernel { p99: Some(1e-7), ..of("exact", 4.0, 0.1) };
         assert_eq!(exact.dominated_by(&all), None, "slower, and more accurate where it does not fail");
     }
@@ -252,12 +274,13 @@ mod tests {
             default: false,
             lanes: 8,
             work,
-            turns: Vec::new(),
+            turns: Times::default(),
         };
         let start = Instant::now();
         timed.turn();
         // `sleep` takes at least its time, and sometimes far more.
         let [least, most] = [slept, start.elapsed()].map(|time| time.as_nanos() as f64 / set::TESTS as f64);
-        assert!((least..=most).contains(&timed.turns[0]), "{:?}", timed.turns);
+        let [wall, processor] = [Clock::Wall, Clock::Processor].map(|clock| timed.turns.by(clock)[0]);
+        assert!((least..=most).contains(&wall) && processor < wall, "{:?}", timed.turns);
     }
 }

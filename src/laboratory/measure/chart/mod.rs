@@ -3,6 +3,7 @@
 //! For: [`SceneChart`], the data of `octray chart`: [`mod@kernels`], [`mod@pictures`], [`mod@frames`],
 //! [`mod@display`], [`mod@motion`], compared with the [`mod@ground_truth`].
 
+pub mod clock;
 pub mod configurations;
 pub mod display;
 pub mod frames;
@@ -14,6 +15,7 @@ pub mod pictures;
 
 use crate::render::Settings;
 use crate::scene::Scene;
+use clock::Clock;
 use configurations::Configuration;
 use ground_truth::{GroundTruth, GroundTruthInfo, GroundTruthRenderer, SHRINK};
 use serde::Serialize;
@@ -35,6 +37,8 @@ pub struct SceneChart {
     /// Seconds of one pass of the default in `pictures`: the unit of times that charts of two machines
     /// share.
     pub default_pass_s: f64,
+    /// Decides the times of `pictures`.
+    pub clock: Clock,
     /// Error against time, a line a configuration; the default first.
     pub pictures: Vec<pictures::Line>,
     /// Interactive frames of a few configurations, on all threads.
@@ -107,7 +111,7 @@ impl Plan {
         let configurations = configurations::of_scene(scene, default);
         step("pictures");
         let end = self.at(PICTURES_SHARE);
-        let pictures = pictures::measure(scene, &configurations, ground_truth, self.seeds, end);
+        let (clock, pictures) = pictures::measure(scene, &configurations, ground_truth, self.seeds, end);
         step("frames");
         let in_frames: Vec<Configuration> =
             configurations.into_iter().filter(|one| IN_FRAMES.contains(&one.name)).collect();
@@ -125,6 +129,7 @@ impl Plan {
             max_bounces: self.max_bounces,
             truth: ground_truth.info,
             default_pass_s: pictures::pass_time(&pictures[0]),
+            clock,
             pictures,
             frames,
             display,

@@ -1,8 +1,6 @@
 //! Error of the interactive view in motion: frames of one sample, alone and with temporal reprojection of
 //! earlier frames.
 //!
-//! For: `measure`.
-//!
 //! The camera moves sideways and forwards at walking speed, and turns, at 60 frames per second: `FRAMES`
 //! frames with a seed each. Four frames of the second half are compared with their own ground truths.
 
@@ -11,6 +9,7 @@ use crate::display::{Denoiser, History, Samples, walking_speed};
 use crate::film::Picture;
 use crate::integrate::aovs::Aovs;
 use crate::integrate::edge_aovs::DenoiserAovs;
+use crate::measure::cores::{Reliability, on_own_cores};
 use crate::measure::errors::Errors;
 use crate::measure::quantiles::Spread;
 use crate::render::{Renderer, Settings};
@@ -98,12 +97,16 @@ pub struct MotionResult {
     pub frame_ms: Spread,
     /// Time to filter it, AOVs included, in milliseconds.
     pub filter_ms: Spread,
+    /// Of the times.
+    #[serde(flatten)]
+    pub reliability: Reliability,
 }
 
 /// The frames of a camera path: times by frame, and the compared pictures by filter, with their cameras.
 struct PathFrames {
     frame_ms: Vec<f64>,
     filter_ms: [Vec<f64>; 3],
+    turns: Vec<Reliability>,
     compared: Vec<(Camera, [Picture; 3])>,
 }
 
@@ -167,6 +170,7 @@ pub(crate) fn measure(
             times_lower: errors[0].zip(errors[number]).map(|(unfiltered, error)| unfiltered / error),
             frame_ms: Spread::of(path_frames.frame_ms.iter().copied()),
             filter_ms: Spread::of(path_frames.filter_ms[number].iter().copied()),
+            reliability: Reliability::of(&path_frames.turns, true),
         };
         [0, 1, 2].map(of_filter)
     };
@@ -188,12 +192,12 @@ fn render_path(
     frames: u32,
     speed: f32,
 ) -> PathFrames {
-    let Settings { resolution, max_bounces, .. } = *renderer.settings();
+    let Settings { resolution, max_bounces, threads, .. } = *renderer.settings();
     let (mut film, mut fresh, mut aovs) = (renderer.film(), Picture::default(), Aovs::default());
     let (mut history, mut denoiser) = (History::default(), Denoiser::default());
     let mut denoiser_aovs = DenoiserAovs::default();
-    let mut taken =
-        PathFrames { frame_ms: Vec::new(), filter_ms: [const { Vec::new() }; 3], compared: Vec::new() };
+    let (filter_ms, turns) = ([const { Vec::new() }; 3], Vec::new());
+    let mut taken = PathFrames { frame_ms: Vec::new(), filter_ms, turns, compared: Vec::new() };
     let compared: Vec<u32> =
         (0..COMPARED).map(|i| frames / 2 + (2 * i + 1) * frames / (4 * COMPARED)).collect();
     for frame in 0..frames {
@@ -202,9 +206,14 @@ fn render_path(
         renderer.set_seed(frame + 1);
         film.clear();
         let ms = |start: Instant| 1e3 * start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        renderer.add_samples(&mut film, 1);
-        taken.frame_ms.push(ms(start));
+        let rendered = || {
+            let start = Instant::now();
+            renderer.add_samples(&mut film, 1);
+            ms(start)
+        };
+        let (rendering, load) = renderer.on_threads(|| on_own_cores(threads, rendered));
+        taken.frame_ms.push(rendering);
+        taken.turns.push(load);
         film.picture_into(&mut fresh);
         let start = Instant::now();
         renderer.on_threads(|| {

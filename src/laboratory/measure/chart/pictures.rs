@@ -1,12 +1,12 @@
 //! Error against time: every configuration from one sample per pixel on, with several seeds.
-//!
-//! For: `measure`.
 
+use super::clock::{self, Clock, Times};
 use super::configurations::{Configuration, Group};
 use super::ground_truth::GroundTruth;
 use super::pareto::ErrorCurve;
 use crate::adaptive::Target;
 use crate::film::Film;
+use crate::measure::cores::Reliability;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::measure::quantiles::{Quantiles, Spread};
@@ -33,14 +33,21 @@ const LONG: f64 = 0.02;
 /// A part shorter than this is timed again, up to so many times, for the median: an interrupt takes as long.
 const SHORT: Duration = Duration::from_millis(1);
 const MOST_REPEATS: usize = 9;
+/// A configuration is compared from so many points on.
+const FEWEST_POINTS: usize = 3;
 
 /// One number of samples of one configuration.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
     /// Samples per pixel: mean over picture and seeds.
     pub samples: f64,
-    /// Seconds on one thread: rendering alone, without loading, building or encoding.
+    /// Seconds on one thread, by the clock that decides: rendering alone, without loading, building or
+    /// encoding.
     pub seconds: Spread,
+    /// By the clock on the wall.
+    pub wall_s: Spread,
+    /// Of the thread's own processor time.
+    pub processor_s: Spread,
     /// Root mean square error, in radiance.
     pub rmse: Spread,
     /// Relative mean square error, without unit: `measure::errors` defines the three.
@@ -49,7 +56,7 @@ pub struct Point {
     pub relmse_trimmed: Spread,
     /// Mean FLIP of the displayed picture.
     pub flip: Spread,
-    /// Whether no other robust configuration has a smaller error in the same time, by the medians of `rmse`.
+    /// Whether no other robust configuration has a smaller `rmse` in the same time, for nine of ten seeds.
     pub on_front: bool,
 }
 
@@ -67,12 +74,14 @@ pub struct Line {
     /// Pictures that differ from the default's with the same seed and samples; `None` where they may differ.
     pub pictures_unlike_default: Option<usize>,
     /// Time to the error (root mean square) of its own last point, or of the default's where that is larger,
-    /// over the default's time to the same error, by the medians over the seeds; see [`super::pareto`] for
-    /// interpolation and extrapolation.
-    pub time_to_equal_error: f64,
+    /// over the default's time to the same error; see [`super::pareto`] for interpolation and extrapolation.
+    pub time_to_equal_error: Spread,
     /// The configuration that is better in time and error at every point of this one, beyond the spread of
     /// the seeds. If only several together are, the best of them at the last point.
     pub dominated_by: Option<&'static str>,
+    /// Of its comparison with the others, which by [`Clock::Processor`] is not wrong for a busy machine.
+    #[serde(flatten)]
+    pub reliability: Reliability,
 }
 
 impl Line {
@@ -86,7 +95,7 @@ impl Line {
 #[derive(Clone, Default)]
 struct Level {
     samples: f64,
-    seconds: Vec<f64>,
+    times: Times,
     errors: Vec<Errors>,
     flip: Vec<f64>,
     /// Of each seed's picture.
@@ -97,8 +106,8 @@ struct Level {
 struct Run<'a> {
     configuration: &'a Configuration,
     renderer: Renderer,
-    /// One per seed, with its seconds.
-    films: Vec<(Film, f64)>,
+    /// One per seed, with its seconds on the wall and of processor time.
+    films: Vec<(Film, [f64; 2])>,
     levels: Vec<Level>,
     /// Number of target errors reached, if adaptive.
     targets: i32,
@@ -109,13 +118,14 @@ struct Run<'a> {
 }
 
 /// Measures all configurations until `end`; at least one level of each. `seeds` of them, numbered from 1.
+/// Returns the clock that decides, too.
 pub(crate) fn measure(
     scene: &Scene,
     configurations: &[Configuration],
     ground_truth: &GroundTruth,
     seeds: u32,
     end: Instant,
-) -> Vec<Line> {
+) -> (Clock, Vec<Line>) {
     lines(&runs(scene, configurations, ground_truth, seeds, end))
 }
 
@@ -152,7 +162,7 @@ impl<'a> Run<'a> {
     fn new(scene: &Scene, configuration: &'a Configuration, ground_truth: &GroundTruth, seeds: u32) -> Self {
         let resolution = [ground_truth.small.width, ground_truth.small.height];
         let renderer = configuration.renderer(scene, resolution, 1);
-        let films = (0..seeds).map(|_| (renderer.film(), 0.0)).collect();
+        let films = (0..seeds).map(|_| (renderer.film(), [0.0; 2])).collect();
         let [level_time, spent] = [Duration::ZERO; 2];
         Self {
             configuration,
@@ -176,20 +186,15 @@ impl<'a> Run<'a> {
         // On the worker from the warm-up on, so that no time is that of waking it.
         renderer.on_threads(|| {
             let mut untimed = renderer.film();
-            while *seconds <= film.mean_samples() * LONG && start.elapsed() < WARM_UP {
+            while seconds[0] <= film.mean_samples() * LONG && start.elapsed() < WARM_UP {
                 renderer.add_samples(&mut untimed, 1);
             }
             if configuration.adaptive {
-                let start = Instant::now();
-                *film = to_target(renderer, &target);
-                *seconds = start.elapsed().as_secs_f64();
+                *seconds = clock::time(|| *film = to_target(renderer, &target));
             } else {
                 let more = film.samples().max(1);
-                *seconds += median_time(film, |film| {
-                    let start = Instant::now();
-                    renderer.add_samples(film, more);
-                    start.elapsed().as_secs_f64()
-                });
+                let taken = median_time(film, |film| clock::time(|| renderer.add_samples(film, more)));
+                *seconds = [0, 1].map(|clock| seconds[clock] + taken[clock]);
             }
         });
         self.level_time += start.elapsed();
@@ -201,7 +206,7 @@ impl<'a> Run<'a> {
         for (film, seconds) in &self.films {
             let picture = film.picture();
             level.samples += film.mean_samples() / self.films.len() as f64;
-            level.seconds.push(*seconds);
+            level.times.push(*seconds);
             level.errors.push(Errors::of(&picture, &ground_truth.small));
             level.flip.push(flip.against(&picture));
             level.hashes.push(picture.hash());
@@ -216,15 +221,16 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Applies a change, which returns its time in seconds, to the film once; returns the median time of several
-/// changes of equal films where one is [`SHORT`].
-fn median_time(film: &mut Film, mut change: impl FnMut(&mut Film) -> f64) -> f64 {
+/// Applies a change, which returns its seconds by both clocks, to the film once; returns the median times of
+/// several changes of equal films where one is [`SHORT`].
+fn median_time(film: &mut Film, mut change: impl FnMut(&mut Film) -> [f64; 2]) -> [f64; 2] {
     let before = film.clone();
     let mut times = vec![change(film)];
-    while times.len() < MOST_REPEATS && times.iter().sum::<f64>() < SHORT.as_secs_f64() {
+    let by = |times: &[[f64; 2]], clock: usize| times.iter().map(|time| time[clock]).collect::<Vec<_>>();
+    while times.len() < MOST_REPEATS && by(&times, 0).iter().sum::<f64>() < SHORT.as_secs_f64() {
         times.push(change(&mut before.clone()));
     }
-    Quantiles::of(times).median()
+    [0, 1].map(|clock| Quantiles::of(by(&times, clock)).median())
 }
 
 /// Seconds of one pass: those of the last point, over its samples.
@@ -241,13 +247,17 @@ fn to_target(renderer: &Renderer, target: &Target) -> Film {
     film
 }
 
-/// The lines of all runs; the first run is the default.
-fn lines(runs: &[Run]) -> Vec<Line> {
-    let curves: Vec<ErrorCurve> = runs.iter().map(Run::curve).collect();
+/// The clock that decides, and the lines of all runs; the first run is the default.
+fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
+    let clock = Clock::of(runs.iter().flat_map(|run| run.levels.iter().map(|level| &level.times)));
+    let curves: Vec<ErrorCurve> = runs.iter().map(|run| run.curve(clock)).collect();
     let default = &runs[0];
+    let of_default = default.reliability(clock);
+    let reliability: Vec<_> = runs.iter().map(|run| run.reliability(clock).worse(&of_default)).collect();
     let line = |(number, run): (usize, &Run)| {
-        let others = curves.iter().enumerate();
-        let others = others.filter(|(other, _)| *other != number && runs[*other].configuration.is_robust());
+        let others = curves.iter().enumerate().filter(|(other, _)| *other != number);
+        let others = others
+            .filter(|(other, _)| runs[*other].configuration.is_robust() && reliability[*other].reliable);
         let others: Vec<(&str, &ErrorCurve)> =
             others.map(|(other, curve)| (runs[other].name(), curve)).collect();
         let curve = &curves[number];
@@ -255,12 +265,14 @@ fn lines(runs: &[Run]) -> Vec<Line> {
             let spread = |of: fn(&Errors) -> f64| Spread::of(level.errors.iter().map(of));
             Point {
                 samples: level.samples,
-                seconds: Spread::of(level.seconds.iter().copied()),
+                seconds: level.times.spread(clock),
+                wall_s: level.times.spread(Clock::Wall),
+                processor_s: level.times.spread(Clock::Processor),
                 rmse: spread(|errors| errors.rmse),
                 relmse: spread(|errors| errors.relmse),
                 relmse_trimmed: spread(|errors| errors.relmse_trimmed),
                 flip: Spread::of(level.flip.iter().copied()),
-                on_front: others.iter().all(|(_, other)| !other.passes_below(curve, at)),
+                on_front: others.iter().all(|(_, other)| !other.beats(curve, at)),
             }
         };
         let unlike = || {
@@ -274,10 +286,11 @@ fn lines(runs: &[Run]) -> Vec<Line> {
             points: run.levels.iter().enumerate().map(point).collect(),
             pictures_unlike_default: run.configuration.has_same_bits().then(unlike),
             time_to_equal_error: curve.time_to_last_error_over(&curves[0]),
-            dominated_by: curve.dominated_by(&others),
+            dominated_by: curve.dominated_by(&others).filter(|_| reliability[number].reliable),
+            reliability: reliability[number],
         }
     };
-    runs.iter().enumerate().map(line).collect()
+    (clock, runs.iter().enumerate().map(line).collect())
 }
 
 impl Run<'_> {
@@ -285,9 +298,14 @@ impl Run<'_> {
         self.configuration.name
     }
 
-    fn curve(&self) -> ErrorCurve {
+    fn curve(&self, clock: Clock) -> ErrorCurve {
         let rmse = |level: &Level| level.errors.iter().map(|errors| errors.rmse).collect();
-        ErrorCurve::new(self.levels.iter().map(|level| (level.seconds.clone(), rmse(level))))
+        ErrorCurve::new(self.levels.iter().map(|level| (level.times.by(clock), rmse(level))))
+    }
+
+    /// Of its last point, with enough before it.
+    fn reliability(&self, clock: Clock) -> Reliability {
+        self.levels[self.levels.len() - 1].times.reliability(clock, self.levels.len() >= FEWEST_POINTS)
     }
 }
 
@@ -307,9 +325,10 @@ mod tests {
         let configurations = of_scene(&scene, Settings { resolution: [16, 9], ..frame });
         // The samples of the ground truth end it, not the time.
         let hour = Instant::now() + Duration::from_secs(3_600);
-        let lines = measure(&scene, &configurations, &ground_truth, 3, hour);
+        let (_, lines) = measure(&scene, &configurations, &ground_truth, 3, hour);
         assert_eq!(lines[0].configuration, DEFAULT);
-        assert_eq!(lines[0].time_to_equal_error, 1.0);
+        let one = Spread { median: 1.0, p10: 1.0, p90: 1.0 };
+        assert_eq!(lines[0].time_to_equal_error, one);
         for line in &lines {
             assert!(line.pictures_unlike_default.is_none_or(|count| count == 0), "{line:?}");
             assert!(!line.points.is_empty(), "{line:?}");
@@ -346,22 +365,23 @@ mod tests {
         let mut changed = |film: &mut Film| {
             renderer.add_samples(film, 3);
             times += 1;
-            if times == 1 { 500e-6 } else { 20e-6 }
+            if times == 1 { [500e-6, 40e-6] } else { [20e-6, 10e-6] }
         };
-        assert_eq!(median_time(&mut film, &mut changed), 20e-6);
+        assert_eq!(median_time(&mut film, &mut changed), [20e-6, 10e-6]);
         assert_eq!(film.samples(), 3, "repeats leave the film as one change does");
         assert!(times > 2, "{times} times");
         let (mut times, long) = (0, SHORT.as_secs_f64());
         let mut take_long = |_: &mut Film| {
             times += 1;
-            long
+            [long; 2]
         };
-        assert_eq!(median_time(&mut film, &mut take_long), long);
+        assert_eq!(median_time(&mut film, &mut take_long), [long; 2]);
         assert_eq!(times, 1, "a long part is timed once");
     }
 
-    #[test]
-    fn configuration_that_is_not_robust_dominates_no_other() {
+    /// The lines of a slow and of a fast configuration that give one picture, with doctored times:
+    /// `times(seconds)` are those of the three seeds. The fast one is robust or not.
+    fn doctored(robust: bool, times: impl Fn(f64) -> [[f64; 2]; 3]) -> (Clock, Vec<Line>) {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
         let frame = Settings { resolution: [48, 27], ..Settings::of(&scene) };
         let ground_truth = GroundTruthRenderer::new(&scene, frame, 1).render(800);
@@ -370,14 +390,44 @@ mod tests {
             settings.methods.sphere = if robust { SphereChoice::Robust } else { SphereChoice::Naive };
             Configuration { name, settings, levels_of_detail: false, adaptive: false }
         };
-        let lines = |robust| {
-            let both = [of("slow", true), of("fast", robust)];
-            let mut runs = runs(&scene, &both, &ground_truth, 3, Instant::now());
-            for (run, second) in runs.iter_mut().zip([2.0, 1.0]) {
-                run.levels.iter_mut().for_each(|level| level.seconds = vec![second * level.samples; 3]);
+        let both = [of("slow", true), of("fast", robust)];
+        let hour = Instant::now() + Duration::from_secs(3_600);
+        let mut runs = runs(&scene, &both, &ground_truth, 3, hour);
+        for (run, second) in runs.iter_mut().zip([2.0, 1.0]) {
+            for level in &mut run.levels {
+                level.times = Times::default();
+                times(second * level.samples).into_iter().for_each(|times| level.times.push(times));
             }
-            super::lines(&runs)
-        };
+        }
+        lines(&runs)
+    }
+
+    #[test]
+    fn processor_time_decides_on_a_busy_machine_and_scattered_times_decide_nothing() {
+        // Others took from nothing to nine tenths of the wall time.
+        let busy = |seconds: f64| [1.0, 4.0, 10.0].map(|times| [times * seconds, seconds]);
+        let (clock, lines) = doctored(true, busy);
+        let fast = &lines[1];
+        assert!(
+            clock == Clock::Processor && (fast.time_to_equal_error.median - 0.5).abs() < 1e-9,
+            "{fast:?}"
+        );
+        assert_eq!((fast.reliability.reliable, fast.reliability.taken), (true, Some(0.75)));
+        assert_eq!(lines[0].dominated_by, Some("fast"));
+        let point = &fast.points[0];
+        assert_eq!([point.seconds.median, point.wall_s.median, point.processor_s.median], [1.0, 4.0, 1.0]);
+
+        let idle = |seconds: f64| [[seconds; 2]; 3];
+        let (clock, lines) = doctored(true, idle);
+        assert_eq!((clock, lines[1].reliability.taken), (Clock::Wall, Some(0.0)));
+        let scattered = |seconds: f64| [1.0, 2.0, 8.0].map(|times| [times * seconds; 2]);
+        let (_, lines) = doctored(true, scattered);
+        assert!(lines.iter().all(|line| !line.reliability.reliable && line.dominated_by.is_none()));
+    }
+
+    #[test]
+    fn configuration_that_is_not_robust_dominates_no_other() {
+        let lines = |robust| doctored(robust, |seconds| [[seconds; 2]; 3]).1;
         let on_front = |line: &Line| line.points.iter().filter(|point| point.on_front).count();
         let [slow, fast] = &lines(false)[..] else { panic!("two lines") };
         assert_eq!((slow.dominated_by, on_front(slow)), (None, slow.points.len()));

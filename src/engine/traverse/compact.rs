@@ -27,7 +27,7 @@ const MAX_FULL: usize = if LEAF == 8 { 8 << 20 } else { 16 << 20 };
 /// fit.
 const SAMPLED: usize = 64;
 /// Fewest leaves for another thread to fill.
-const MIN_LEAVES_PER_THREAD: usize = 256;
+pub(super) const MIN_LEAVES_PER_THREAD: usize = 256;
 
 /// Columns of vertices in a compact leaf, the last one NaN for the corners of absent triangles. Nearly all
 /// leaves of scanned and of procedural meshes have no more vertices.

@@ -1,7 +1,7 @@
 //! The primitives in the leaves of a hierarchy, and the intersection of rays with a leaf, shared by all
 //! traversals.
 
-use super::compact::{Layout, TriangleLeaves};
+use super::compact::{Layout, MIN_LEAVES_PER_THREAD, TriangleLeaves};
 use super::leaf::{TriangleLeaf, intersect_one};
 use super::precalculated::SingleRay;
 use super::quadrics::QuadricLeaf;
@@ -23,9 +23,6 @@ pub struct Hierarchy {
     triangles: TriangleLeaves,
     pub(super) quadrics: Vec<QuadricLeaf>,
 }
-
-/// Fewest leaves for another thread to fill.
-const MIN_LEAVES_PER_THREAD: usize = 256;
 
 /// The [`Padding`] of a scene's boxes, from the extent of all its primitives.
 pub fn padding_of(scene: &Scene) -> Padding {

@@ -114,4 +114,12 @@ mod tests {
         let plain = Texture { filter: Filter::Bilinear, ..odd };
         assert_eq!((plain.bytes(), mip_chain(&plain).len()), (56, 0));
     }
+
+    #[test]
+    fn bytes_of_data_are_rounded_to_the_nearest() {
+        let (name, filter, texels) =
+            (String::new(), Filter::Trilinear, Texels::Unorm8(vec![[0; 4], [255; 4]]));
+        let pair = Texture { name, width: 2, height: 1, filter, texels };
+        assert_eq!(mip_chain(&pair)[0].1, Texels::Unorm8(vec![[128, 128, 128, 0]]));
+    }
 }

@@ -14,7 +14,7 @@ fn film() -> (Header, Film) {
     let scene = crate::scene::load("builtin:three").unwrap();
     let settings = Settings { resolution: [50, 20], ..Settings::of(&scene) };
     let renderer = Renderer::new(&scene, settings);
-    let mut film = renderer.film();
+    let mut film = renderer.film_with_noise();
     film.keep_tiles(|number| SHARD.has(number));
     renderer.add_samples(&mut film, 2);
     let identity = Identity::new(&scene, &settings, None, SHARD);
@@ -23,7 +23,7 @@ fn film() -> (Header, Film) {
 }
 
 fn empty() -> Film {
-    Film::new([50, 20], [16, 16])
+    Film::new([50, 20], [16, 16]).with_noise()
 }
 
 fn words(film: &Film) -> Vec<u32> {
@@ -84,10 +84,9 @@ fn every_damage_is_seen() {
 fn goals_above_the_limit_of_samples_are_refused() {
     let (mut header, film) = film();
     header.identity.settings.target = Some((0.1, 1, 4));
-    let film = film.with_noise();
     for (goal, fits) in [(4, true), (5, false)] {
         let bytes = bytes_of(&header, &film, &[0, goal, 0, 0, 4]);
-        let read = Checkpoint::read(&bytes[..], Path::new("c")).unwrap().fill(&mut empty().with_noise());
+        let read = Checkpoint::read(&bytes[..], Path::new("c")).unwrap().fill(&mut empty());
         assert_eq!(read.is_ok(), fits, "{goal}");
     }
 }

@@ -1,6 +1,4 @@
 //! `--checkpoint`: saves the film every few seconds and resumes from it.
-//!
-//! For: [`CheckpointWriter`].
 
 use super::error::{CliError, describe, refuse};
 use super::interrupt;

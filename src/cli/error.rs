@@ -1,6 +1,4 @@
 //! Errors of commands, and exit codes.
-//!
-//! For: [`CliError`], whose messages say what is wrong, where, and how to mend it; [`refuse`].
 
 use crate::checkpoint::CheckpointError;
 use crate::output::OutputError;

@@ -1,6 +1,4 @@
 //! How measured frames are made: options of `bench` and `compare`, and the settings made of them.
-//!
-//! For: [`FrameOptions`].
 
 use super::error::CliError;
 use super::groups::{METHODS, MethodArgs, choice, one_of, warn_of_lost_hierarchy};

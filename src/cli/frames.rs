@@ -1,6 +1,4 @@
 //! `--frames` and `--shard`: which frames, which part, and the names of their files.
-//!
-//! For: the value parsers [`frames`] and [`shard`]; [`numbered`].
 
 use crate::checkpoint::Shard;
 use std::ops::RangeInclusive;

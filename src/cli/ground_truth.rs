@@ -1,7 +1,5 @@
 //! The cache of ground truths: pictures with many samples, which take long to render and stay valid.
 //!
-//! For: [`place`], [`load`], [`save`].
-//!
 //! A ground truth is an .exr of the frame and beside it a .json of its quality. Their name holds a hash of
 //! all that decides the picture: the scene with its textures, the size, the bounces, the commit of the
 //! program and the build, because a commit with changes has many builds.

@@ -1,6 +1,4 @@
 //! The options of methods, which several commands share, and value parsers of choices.
-//!
-//! For: [`MethodArgs`], [`METHODS`], [`warn_of_lost_hierarchy`], [`choice`], [`one_of`], [`lanes`].
 
 use super::error::{CliError, refuse};
 use super::terminal;

@@ -1,6 +1,4 @@
 //! What one call of `render` makes: a picture, a part of one, or the pictures of frames.
-//!
-//! For: [`RenderOptions`], and the [`jobs`] of a call.
 
 use super::error::{CliError, refuse};
 use super::frames::{frames, numbered, shard};

@@ -1,6 +1,4 @@
 //! When a rendering ends: `--samples`, `--target-error`, `--time-limit`.
-//!
-//! For: [`LimitOptions`], and [`Limits`] made of them.
 
 use super::error::{CliError, refuse};
 use super::numbers::{MAX_SAMPLES, number, samples, seconds, whole};

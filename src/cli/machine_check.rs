@@ -1,7 +1,5 @@
 //! Does this machine have the instruction sets that the program was compiled for?
 //!
-//! For: [`verdict`], called first in `main`, because a missing instruction ends a program without a message.
-//!
 //! Limit: this file is compiled with the same instruction sets as all others, and the compiler may use them
 //! anywhere. It holds no loop over numbers, so the compiler has no reason to.
 

@@ -1,6 +1,4 @@
 //! Memory of large pictures, checked before a rendering starts.
-//!
-//! For: [`check`], [`check_film`], [`room_for`] (of the viewer).
 
 use super::error::CliError;
 use super::terminal;

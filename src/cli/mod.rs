@@ -1,7 +1,5 @@
 //! The command line: one file a command, with its options and their help; exit codes.
 //!
-//! For: [`main`], all that the program's `main` does.
-//!
 //! | file | what it does |
 //! |---|---|
 //! | `numbers`, `groups` | value parsers; options of methods |

@@ -1,6 +1,4 @@
 //! Refuses outputs that would replace what the same command reads, or each other.
-//!
-//! For: [`keep_inputs`], [`is_same`].
 
 use super::error::{CliError, refuse};
 use std::collections::HashSet;

@@ -1,6 +1,4 @@
 //! How a picture is made: options that commands share, and the settings made of them.
-//!
-//! For: [`PictureOptions`] of `render` and `view`, [`of_view`].
 
 use super::groups::{METHODS, MethodArgs, choice, lanes, one_of};
 use super::numbers::{clamp, exposure, seed, size, threads, whole};

@@ -1,6 +1,4 @@
 //! Progress lines on standard error, where that is a terminal.
-//!
-//! For: [`Progress`] of a rendering, [`countdown`] of a run with a time budget, [`tasks`] of a list.
 
 use crate::report::numbers::{figure, mrays_per_s};
 use crate::wording::grouped;

@@ -1,7 +1,5 @@
 //! Rays, hits and triangles as files, so that other programs can trace the same rays: `perf/README.md`
 //! describes their format.
-//!
-//! For: [`write()`].
 
 use crate::math::MISS;
 use crate::measure::ray_sets::RaysWithHits;

@@ -1,6 +1,4 @@
 //! `--samples-map`: a picture of the number of samples of each pixel.
-//!
-//! For: [`save`].
 
 use super::interrupt;
 use crate::film::{Film, Picture};

@@ -1,6 +1,4 @@
 //! Loads the scenes of commands.
-//!
-//! For: [`load`], [`load_with_warnings`], [`checked`], [`or_built_in`].
 
 use super::error::CliError;
 use super::numbers::{clamp, exposure, samples};

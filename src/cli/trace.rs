@@ -1,6 +1,4 @@
 //! Takes samples until a limit is reached or the user interrupts.
-//!
-//! For: [`trace`].
 
 use super::checkpoint::CheckpointWriter;
 use super::interrupt;

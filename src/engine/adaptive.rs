@@ -1,7 +1,5 @@
 //! Adaptive sampling: stopping criteria for blocks of pixels.
 //!
-//! For: [`Target`], which gives the number of samples of each block for the next round.
-//!
 //! # The error of a block
 //! A block is a tile of the film. Its error is the root mean square, over its pixels, of the standard error
 //! of a pixel's luminance ([`crate::film::noise`]) relative to the pixel's luminance, which is limited

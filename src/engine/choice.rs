@@ -1,7 +1,5 @@
 //! Closed sets of named alternatives: methods, samplers, tone operators. Each is defined once, by
 //! `choices!`; the command line, view files and reports share its names and help texts.
-//!
-//! For: [`Choice`], `choices!`.
 
 use serde::de::{Deserializer, Error, Visitor};
 use std::fmt;

@@ -1,7 +1,5 @@
 //! Why a picture is black, nearly black, white, or lacks light, and the option that mends it.
 //!
-//! For: [`warnings`].
-//!
 //! A scene may be dark on purpose, so little is told. A picture is black where all of it is 0; nearly black
 //! where 95 % of it is darker than `DARK` and no pixel brighter than `DIM`, as stars or a light would be;
 //! white where half of it is brighter than `BURNT`, which a white background is not. For the light lost at

@@ -1,6 +1,4 @@
 //! Tone mapping: exposure, tone curve, sRGB transfer function, eight bits.
-//!
-//! For: [`Tone`].
 
 use crate::choice::choices;
 use crate::film::Picture;

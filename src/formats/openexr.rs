@@ -1,7 +1,5 @@
 //! OpenEXR files: linear f32, lossless.
 //!
-//! For: [`read()`], [`write()`].
-//!
 //! Single-threaded: several threads would write blocks in the order of their completion, and two files of one
 //! picture would differ.
 

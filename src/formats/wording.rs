@@ -1,6 +1,4 @@
 //! Numbers and nouns as text, in one style for the whole program.
-//!
-//! For: [`grouped`], [`counted`].
 
 use std::fmt::Display;
 

@@ -1,7 +1,5 @@
 //! Instruction sets: those the program was compiled for, and those the machine has.
 //!
-//! For: [`compiled`], [`present`].
-//!
 //! The standard library's `is_x86_feature_detected!` cannot be used: for every feature that the program was
 //! compiled for, it is true without a query, which is the case to detect. CPUID is read instead.
 

@@ -1,6 +1,4 @@
 //! The machine and the build a figure was measured with.
-//!
-//! For: [`Machine`], part of every JSON report.
 
 pub(crate) mod features;
 

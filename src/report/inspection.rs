@@ -1,6 +1,4 @@
 //! What `octray inspect` reports: what a scene contains and how it is rendered, as text or as JSON.
-//!
-//! For: [`Inspection`].
 
 use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
 use super::numbers::bytes;

@@ -1,7 +1,5 @@
 //! The methods that a scene gets, and why: its traversal, its hierarchy, its defaults. A part of what `octray
 //! inspect` reports.
-//!
-//! For: [`TraversalReport`], [`HierarchyReport`], [`DefaultReport`].
 
 use super::numbers::{bytes, figure};
 use crate::buffers::Features;

@@ -1,6 +1,4 @@
 //! What `octray render` reports, as a line or as JSON.
-//!
-//! For: [`Report`], [`End`].
 
 use super::numbers::figure;
 use super::settings::RunSettings;

@@ -1,6 +1,4 @@
 //! Accumulates samples: the film of the present pose, samples until a frame is due.
-//!
-//! For: [`Accumulation`].
 
 use super::dynamic_resolution::DynamicResolution;
 use super::frame::Exchange;

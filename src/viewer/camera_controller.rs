@@ -1,6 +1,4 @@
 //! The camera controller: moves, turns and zooms the camera by keys and mouse.
-//!
-//! For: [`CameraController`] and [`Motion`].
 
 use glam::{DQuat, DVec3};
 use octray_formats::scene::{Camera, Coordinates, Scene};

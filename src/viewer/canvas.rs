@@ -1,6 +1,4 @@
 //! Draws a frame's picture and minimap at the size of a window or a terminal.
-//!
-//! For: [`Canvas`].
 
 use super::frame::Frame;
 use std::ops::Range;

@@ -1,7 +1,5 @@
 //! Draws frames as character cells: the upper half block in the colour of the upper pixel, on the colour of
 //! the lower one.
-//!
-//! For: [`CellBuffer`].
 
 use super::canvas::Canvas;
 use super::frame::Frame;

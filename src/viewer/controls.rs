@@ -1,6 +1,4 @@
 //! The settings that keys change while the viewer runs.
-//!
-//! For: [`Controls`].
 
 use super::display_mode::DisplayMode;
 use super::options::Options;

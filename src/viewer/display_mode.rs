@@ -1,6 +1,4 @@
 //! Display modes: the picture, or a false-colour image of normals, depth, cost and the like.
-//!
-//! For: [`DisplayMode`], and the colours of its modes, 0x00RRGGBB.
 
 use glam::Vec3;
 use octray_engine::integrate::aovs::{AovSample, Aovs, Plane};

@@ -1,6 +1,4 @@
 //! Dynamic resolution: holds a target frame rate by fewer pixels.
-//!
-//! For: [`DynamicResolution`].
 
 use std::time::Duration;
 

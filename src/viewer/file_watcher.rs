@@ -1,6 +1,4 @@
 //! Watches a scene's files, so that the scene is reloaded when one of them changes.
-//!
-//! For: [`FileWatcher`].
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

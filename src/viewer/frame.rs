@@ -1,6 +1,4 @@
 //! Frames, and their handover from the render loop to a front end.
-//!
-//! For: [`Frame`] and `Exchange`.
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;

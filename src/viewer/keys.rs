@@ -1,6 +1,4 @@
 //! Key bindings: one table of keys, what they do, and the help.
-//!
-//! For: [`Key`], `Action`, `action_of`, [`help`].
 
 use super::camera_controller::Motion;
 use super::controls::{Controls, Filter, cycle};

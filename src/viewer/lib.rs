@@ -1,7 +1,5 @@
 //! The viewer: explores a path-traced scene in a terminal or, with the feature `window`, in a window.
 //!
-//! For: `window()`, [`terminal()`] and [`Options`].
-//!
 //! A front end sends [`state::Event`]s and shows [`frame::Frame`]s. The render loop runs in a thread of its
 //! own, and so does the loader. Events reach the render loop through a message queue; frames reach the front
 //! end through `frame::Exchange`, which swaps buffers.

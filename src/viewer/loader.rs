@@ -1,6 +1,4 @@
 //! Loads scenes and creates their renderers in a thread of its own, so that frames go on meanwhile.
-//!
-//! For: [`Loader`].
 
 use super::frame::Exchange;
 use std::sync::Arc;

@@ -1,6 +1,4 @@
 //! The minimap: the scene from above, with the camera and its field of view.
-//!
-//! For: [`Minimap`].
 
 use super::camera_controller::CameraController;
 use super::display_mode::rgb;

@@ -1,6 +1,4 @@
 //! What the viewer starts with.
-//!
-//! For: [`Options`], [`Wake`].
 
 use octray_engine::render::{LaneChoice, PipelineChoice};
 use octray_engine::tone::Tone;

@@ -1,6 +1,4 @@
 //! The figures over a frame.
-//!
-//! For: [`Overlay`].
 
 use super::controls::{Controls, PRESETS};
 use super::display_mode::DisplayMode;

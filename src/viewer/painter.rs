@@ -1,7 +1,5 @@
 //! From film to the pixels of a frame: reprojection, filters, tone mapping, or a false-colour display mode.
 //!
-//! For: [`Painter`], [`FrameInput`].
-//!
 //! Buffers are reused from frame to frame: a frame allocates nothing.
 
 use super::accumulation::Accumulation;

@@ -1,6 +1,4 @@
 //! The list of scenes to switch between.
-//!
-//! For: [`Playlist`].
 
 use octray_formats::scene::may_be_scene;
 use std::ffi::{OsStr, OsString};

@@ -1,8 +1,6 @@
 //! The render loop: handles events, moves the camera, accumulates samples until a frame is due, publishes the
 //! frame.
 //!
-//! For: [`RenderLoop`].
-//!
 //! While the camera rests, samples accumulate in the film from the first one on, with the requested seed: the
 //! picture has the bits of `octray render` with the same number of samples. While it moves, each frame starts
 //! a new film with a seed of its own, and temporal reprojection supplies the missing samples.

@@ -1,6 +1,4 @@
 //! Screenshots: the film as PNG and EXR, and a view file that renders it again with the same bits.
-//!
-//! For: [`take`].
 
 use super::painter::FrameInput;
 use octray_formats::output::{self, OutputError};

@@ -1,6 +1,4 @@
 //! A running viewer: starts the render loop in a thread of its own and connects a front end to it.
-//!
-//! For: [`Viewer`], `exit_flag`.
 
 use super::controls::Controls;
 use super::frame::{Exchange, Frame};

@@ -1,6 +1,4 @@
 //! The state machine: from events to camera, controls, playlist and effects.
-//!
-//! For: [`Event`], `State`.
 
 use super::camera_controller::{CameraController, Motion};
 use super::controls::Controls;

@@ -1,7 +1,5 @@
 //! The terminal front end: sends keys, shows frames as half blocks in true colour.
 //!
-//! For: [`terminal()`].
-//!
 //! Most terminals do not report key releases: there, a key counts as held for `KEY_TIMEOUT` after each
 //! press or repetition.
 

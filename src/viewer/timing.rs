@@ -3,8 +3,6 @@
 //! The *frame rate* is that of the screen, at most the display's. The *pass rate* is the renderer's own:
 //! the time between passes, for painting and for the display, does not count. It is what `octray bench`
 //! calls fps, by the same statistic: one over the median time of a pass, one sample of every pixel.
-//!
-//! For: [`RateMeter`], the present rates; [`Summary`], the sums of a run.
 
 use std::collections::VecDeque;
 use std::time::Duration;

@@ -1,6 +1,4 @@
 //! The window front end: sends keys and mouse events, shows frames.
-//!
-//! For: [`window()`].
 
 use super::canvas::Canvas;
 use super::frame::Frame;

@@ -1,6 +1,4 @@
 //! Draws a frame into a window's pixels, with text over it.
-//!
-//! For: [`draw`].
 
 use super::canvas::Canvas;
 use super::frame::Frame;

@@ -1,7 +1,5 @@
 //! The scene flattened into aligned structure-of-arrays buffers, and the features that it needs.
 //!
-//! For: [`Buffers`] (surfaces, materials, textures, lights, sky, as shading reads them) and [`Features`].
-//!
 //! Shading reads *row tables* ([`rows::Rows`]) of eight floats a row, each lane at its own index: rows are
 //! fetched and transposed into packets in registers. What intersection reads is in [`crate::traverse`].
 

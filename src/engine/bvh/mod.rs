@@ -1,9 +1,6 @@
 //! The bounding volume hierarchy over a scene's quadrics and triangles: how it is built, and what traversals
 //! read.
 //!
-//! For: [`Bvh`], [`WideNode`], [`BinaryNode`], [`Leaf`]; [`Bounds`]; [`check`], which proves a hierarchy
-//! valid and measures it.
-//!
 //! | file | what it does |
 //! |---|---|
 //! | `bounds` | axis-aligned boxes, and boxes packed so that a union is one instruction |

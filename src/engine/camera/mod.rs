@@ -1,7 +1,4 @@
 //! From raster space to primary rays.
-//!
-//! For: [`Pinhole`]; [`ViewFrustum`], the space that a part of the image sees; [`Tile`], a rectangle of
-//! pixels.
 
 mod tile;
 mod view_frustum;

@@ -1,6 +1,4 @@
 //! The division of a picture into tiles.
-//!
-//! For: [`Tile`].
 
 /// Most pixels in a tile: what the paths of more take does not fit a first-level cache. Tiles of 512 pixels
 /// are not faster, and smaller ones slower.

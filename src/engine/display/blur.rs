@@ -1,6 +1,4 @@
 //! A 3×3 blur.
-//!
-//! For: [`Blur`].
 
 use super::rows;
 use crate::film::Picture;

@@ -1,7 +1,5 @@
 //! Fast approximate anti-aliasing (FXAA) of one picture.
 //!
-//! For: [`Fxaa`].
-//!
 //! Source: Timothy Lottes, "FXAA", NVIDIA, 2009, and the algorithm of its version 3.11 (quality), reworded
 //! and reordered:
 //!

@@ -1,7 +1,5 @@
 //! Temporal reprojection: accumulates the frames of a moving camera.
 //!
-//! For: [`History`].
-//!
 //! A frame of a moving camera has one or a few samples a pixel; earlier frames have sampled most of the same
 //! points. For every pixel:
 //!

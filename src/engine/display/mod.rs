@@ -1,9 +1,6 @@
 //! Filters between a film and the display: anti-aliasing, denoising, and temporal reprojection while the
 //! camera moves.
 //!
-//! For: [`Blur`], [`Fxaa`] and [`Denoiser`], which filter a picture; [`History`], which accumulates frames of
-//! a moving camera; [`walking_speed`].
-//!
 //! Pictures in, pictures out, in linear radiance: for display only, never back into a film. Each filter keeps
 //! its working memory and allocates nothing after the first picture of a size. Rows are filtered in parallel
 //! inside a pool of threads, such as [`crate::render::Renderer::on_threads`] provides, and one after the

@@ -1,6 +1,4 @@
 //! Loops over rows of pixels, parallel inside a pool of threads.
-//!
-//! For: [`each`], [`each_two`], [`packet`].
 
 use crate::lane::{F32x8, Lane};
 use rayon::prelude::*;

@@ -1,7 +1,5 @@
 //! Sums of linear radiance, each pixel's samples in a fixed order.
 //!
-//! For: [`Film`], to which tiles add samples, and [`Picture`], its mean.
-//!
 //! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them.
 //! The variance of samples ([`mod@noise`]) is estimated only in films that are made for it. A tile's sums are
 //! read and set again by [`TileSums::words_into`] and [`TileSums::restore`], for checkpoints.

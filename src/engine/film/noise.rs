@@ -1,7 +1,5 @@
 //! Variance of a pixel's samples, and the standard error of their mean.
 //!
-//! For: [`Noise`].
-//!
 //! # The estimate
 //! For every group of four consecutive samples of a pixel, starting at a multiple of four, d is the luminance
 //! of the first two minus that of the last two. For independent samples, E d² = 4 σ², and the mean of n

@@ -1,7 +1,5 @@
 //! The sums of a tile as words of 32 bits: the same for every width of packets, and every bit of them.
 //!
-//! For: checkpoints, through [`TileSums::words_into`] and [`TileSums::restore`].
-//!
 //! A word holds the bits of an f32, or a u32. Words stand in columns of one word a pixel, in the order of
 //! [`crate::camera::Tile::places`]:
 //!

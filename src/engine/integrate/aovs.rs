@@ -1,7 +1,5 @@
 //! AOVs (arbitrary output variables): depth, normal, albedo and more of the surface at the centre of every
 //! pixel. Input of the denoiser, of temporal reprojection, and of the viewer's views of the scene.
-//!
-//! For: [`Aovs`], [`Plane`], [`AovSample`].
 
 use super::context::TraceContext;
 use super::emission::environment_radiance;

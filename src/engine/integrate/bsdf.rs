@@ -1,6 +1,4 @@
 //! The BSDF of a surface, over all lobes that the pipeline has.
-//!
-//! For: [`scatter`], which samples it, [`evaluate`], its value and pdf, and [`has_sampled_lobe`].
 
 use super::context::{has, is_general};
 use super::material::MaterialSample;

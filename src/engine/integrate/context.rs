@@ -1,7 +1,4 @@
 //! What every stage reads, and the tests of a pipeline's feature set.
-//!
-//! For: [`TraceContext`]; [`has`], [`is_general`], [`ends_missed`], [`reads_texels_first`] and [`abilities`],
-//! constants once a pipeline is compiled.
 
 use super::queue::{Path, PathQueue, QueueColumns};
 use crate::buffers::{Abilities, Buffers, Features};

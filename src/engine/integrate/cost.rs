@@ -1,6 +1,4 @@
 //! Traversal cost of primary rays, for the heat maps of the viewer.
-//!
-//! For: [`Cost`] and `render_row`.
 
 use super::context::TraceContext;
 use super::generate::pixel_centers;

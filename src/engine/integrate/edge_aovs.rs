@@ -1,7 +1,5 @@
 //! The denoiser's AOVs: those of what mirrors and glass show, and of several points of pixels at edges.
 //!
-//! For: [`DenoiserAovs`], [`EdgePixel`].
-//!
 //! At a delta lobe the path continues as the likelier of the estimator's paths does: along the reflection,
 //! or at glass along the more likely one of reflection and refraction. Normal, lobe and albedo are those of
 //! the first surface with another lobe; distances add up, colours multiply, and the object id combines those

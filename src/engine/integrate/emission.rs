@@ -1,7 +1,5 @@
 //! Emitted radiance at the end of a segment: of surfaces and of the environment.
 //!
-//! For: [`surface_radiance`], [`missed_radiance`], [`environment_radiance`], [`mis_weight`].
-//!
 //! A light may be found by BSDF sampling (here) and by next event estimation (`shadow_rays`); both count,
 //! weighted by the power heuristic so that the weights of a direction sum to 1: Veach, Guibas, "Optimally
 //! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995, §3.

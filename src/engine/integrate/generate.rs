@@ -1,8 +1,5 @@
 //! First stage: generates primary rays and finds their hits.
 //!
-//! For: [`generate`], a ray through a random point of every pixel of a tile, and [`pixel_centers`], rays
-//! through their centres.
-//!
 //! Generation is a loop of its own, and so is the test of every primitive: see [`crate::traverse::List`].
 //! Statistics attribute the second to [`Stage::Trace`].
 

@@ -1,6 +1,4 @@
 //! Second stage: finds the nearest hit of every path of the queue, and ends the paths that miss.
-//!
-//! For: [`intersect`], [`closest_of_queue`], which only finds hits.
 
 use super::context::TraceContext;
 use super::context::{ends_missed, has};

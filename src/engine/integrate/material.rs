@@ -1,6 +1,4 @@
 //! Evaluated materials: parameters, textures, shading normals, and how wide paths leave them.
-//!
-//! For: [`MaterialSample`]; [`texel_indices`], [`scattered_cone`].
 
 use super::context::TraceContext;
 use super::context::{abilities, has, is_general, reads_texels_first};

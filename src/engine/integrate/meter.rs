@@ -1,7 +1,5 @@
 //! Measures the statistics of one thread, and how long its paths are, for the heat maps of the viewer.
 //!
-//! For: [`Observer`], [`PathShape`].
-//!
 //! While nothing is wanted, a stage costs one branch, and nothing is counted.
 
 use super::queue::PathQueue;

@@ -1,7 +1,5 @@
 //! The integrator: a wavefront path tracer.
 //!
-//! For: [`trace_tiles`], one sample of every pixel of some tiles; [`trace_path`], one path vertex by vertex.
-//!
 //! A tile's paths are in a queue in structure-of-arrays form ([`queue`]). Each stage runs over all of them
 //! before the next one starts:
 //!

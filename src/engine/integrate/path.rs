@@ -1,5 +1,3 @@
-//! For: [`trace_path`], one path of the scalar integrator, vertex by vertex.
-//!
 //! A path of at most n events is the beginning of one of more, with the same random numbers. So the pipeline
 //! traces the pixel with at most 0, 1, 2 … events, and each time leaves the last segment and the last shadow
 //! ray in its queues. No stage knows of it.

@@ -1,6 +1,4 @@
 //! Pipelines: the stages in order, compiled for a set of features.
-//!
-//! For: [`trace_tiles`] and [`pipeline_for`].
 
 use super::context::TraceContext;
 use super::context::has;

@@ -1,6 +1,4 @@
 //! The queues of paths and of shadow rays, in structure-of-arrays form.
-//!
-//! For: [`PathQueue`] and [`Path`], one packet of it; [`ShadowQueue`]; the columns that they are made of.
 
 use crate::camera::MAX_PIXELS;
 use crate::kernel::ray_cone::Cone;

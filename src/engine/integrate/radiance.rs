@@ -1,6 +1,4 @@
 //! The radiance of one sample of the pixels of all tiles that are traced together.
-//!
-//! For: [`Radiance`].
 
 use super::queue::{IntColumn, Vec3Columns, compress};
 use crate::camera::MAX_PIXELS;

@@ -1,6 +1,4 @@
 //! A thread's working memory.
-//!
-//! For: [`Scratch`].
 
 use super::meter::Observer;
 use super::queue::IntColumn;

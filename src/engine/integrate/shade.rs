@@ -1,7 +1,5 @@
 //! Third and last stage: shading. Adds emitted radiance, samples the BSDF, and compresses the paths that go
 //! on.
-//!
-//! For: [`shade`] and [`shade_last`].
 
 use super::bsdf::{ScatteredPath, scatter};
 use super::context::TraceContext;

@@ -1,7 +1,4 @@
 //! Next event estimation: shadow rays to sampled points of the lights.
-//!
-//! For: [`sample_direct_light`], which queues a shadow ray at each scattering event, and
-//! [`trace_shadow_rays`], the stage that adds the radiance of the unoccluded ones.
 
 use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
 use super::context::TraceContext;

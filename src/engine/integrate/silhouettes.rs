@@ -1,6 +1,4 @@
 //! Hits at silhouette edges: of two triangles that a ray meets at one distance, the near one is hit.
-//!
-//! For: [`correct_hits`].
 
 use super::context::TraceContext;
 use super::scratch::Scratch;

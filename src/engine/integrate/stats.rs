@@ -1,6 +1,4 @@
 //! Statistics of rendering: time by stage, rays and packets by bounce, intersection tests by kind of ray.
-//!
-//! For: [`Stats`], [`Stage`], [`RayKind`].
 
 use crate::traverse::counter::Counts;
 use std::ops::AddAssign;

@@ -1,6 +1,4 @@
 //! The surface at a hit: point, geometric normal, texture coordinates.
-//!
-//! For: [`Surface`], looked up from the buffers for a packet of hits.
 
 use super::context::TraceContext;
 use super::context::has;

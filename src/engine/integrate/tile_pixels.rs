@@ -1,6 +1,4 @@
 //! Where the pixels of a tile are in the picture.
-//!
-//! For: [`TilePixels`], the table that the stages before the first bounce read.
 
 use crate::camera::{BLOCK, MAX_PIXELS, Tile};
 use crate::lane::{Bits, F32x16, Lane};

@@ -1,8 +1,5 @@
 //! Kernels: equations over lanes. Values in, (mask, values) out.
 //!
-//! For: intersections ([`ray_sphere`], [`ray_triangle`], [`ray_box`]), culling of spheres
-//! ([`sphere_culling`]), scattering ([`bsdf`]), light sampling ([`light`]), points on surfaces ([`surface`]),
-//! shading normals ([`normals`]), texture lookups ([`texture`]) and how wide they are ([`ray_cone`]).
 //! Kernels allocate nothing, look nothing up and never panic.
 
 pub mod bsdf;

@@ -1,7 +1,4 @@
 //! Culling of spheres: a conservative test, cheaper than that of [`super::ray_sphere::Robust`].
-//!
-//! For: [`CulledSphere`] and [`SphereCulling`], which find the few of many spheres that a packet of rays may
-//! hit.
 
 use super::ray_sphere::may_hit;
 use crate::lane::Lane;

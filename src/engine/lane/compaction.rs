@@ -1,6 +1,4 @@
 //! Stream compaction of lists of 16-bit numbers.
-//!
-//! For: [`compress_where`].
 
 /// Numbers that [`compress_where`] takes at a time.
 pub const CHUNK: usize = 32;

@@ -1,7 +1,5 @@
 //! Instructions that `wide` does not have, or that the compiler does not choose.
 //!
-//! For: `permute`, `compaction`; [`prefetch`] for all.
-//!
 //! The only unsafe code of octray: one block a function. The instructions read and write nothing but what
 //! references lead to, and each exists only in builds for processors that have it. Laws compare those that
 //! compute with what they do lane by lane. Miri cannot: it does not know them.

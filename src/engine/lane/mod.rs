@@ -1,9 +1,5 @@
 //! Width as a type: one number, eight or sixteen, behind the same arithmetic.
 //!
-//! For: the [`Lane`] trait (`f32`, [`F32x8`], [`F32x16`]), its integers [`Bits`] (`u32`, [`U32x8`],
-//! [`U32x16`]), its masks [`Mask`] (`bool`, [`Mask8`], [`Mask16`]) with their [`set_bits`], the elementary
-//! functions in [`functions`], [`compaction`] of lists, and [`prefetch`].
-//!
 //! # The law
 //! Every operation gives the same bits at every width. Therefore no operation is an approximation that only
 //! one width has (no `recip`, no `rsqrt`), no function comes from libm, and `min`, `max` and the polynomials

@@ -1,7 +1,5 @@
 //! The packet types: wrappers of the vectors of `wide`, of eight and of sixteen lanes.
 //!
-//! For: [`F32x8`], [`F32x16`] with their integers and masks.
-//!
 //! What all widths share is written once, in the macro `packet!`; what moves values between lanes differs,
 //! and is in `permute`. Without AVX-512 a packet of sixteen is two vectors of eight: as correct, and no
 //! faster.

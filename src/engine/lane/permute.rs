@@ -1,6 +1,4 @@
 //! What moves values between the lanes of a packet, by width: stream compaction, tables, transposes.
-//!
-//! For: the inherent functions that `packet!` calls.
 
 use super::packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 use super::traits::{Bits, Lane, Mask};

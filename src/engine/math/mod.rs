@@ -1,6 +1,4 @@
 //! Vectors, rays and hits whose components are lanes, and bounds of rounding error.
-//!
-//! For: [`Vec3`], [`Ray`], [`Hit`], [`gamma`]; [`portable`] functions for what builds scenes.
 
 pub mod portable;
 mod precision;

@@ -1,6 +1,4 @@
 //! AOVs and heat maps: feature buffers of the scene, traversal cost, and path lengths, by pixel.
-//!
-//! For: [`Renderer::aovs_into`] and the like, and [`Map`].
 
 use super::Renderer;
 use crate::camera::Tile;

@@ -1,7 +1,4 @@
 //! Renders a scene into a film: tiles as rayon jobs.
-//!
-//! For: [`Renderer`], [`RenderObserver`] to follow and to cancel it, and [`mod@aovs`] for feature buffers and
-//! heat maps.
 
 pub mod aovs;
 mod settings;

@@ -1,6 +1,4 @@
 //! What decides a picture besides its scene.
-//!
-//! For: [`Settings`], [`PipelineChoice`] and [`LaneChoice`].
 
 use crate::choice::choices;
 use crate::lane::NATIVE_WIDTH;

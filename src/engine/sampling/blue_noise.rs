@@ -1,8 +1,6 @@
 //! The digital shifts of the pixels in the first dimensions of a path: neighbours get shifts that differ as
 //! the points of a net do, so that their errors cancel in a blur (blue noise).
 //!
-//! For: [`PixelCoordinates`], whose [`PixelCoordinates::shift`] it is.
-//!
 //! # Construction
 //! The pixels of a square of [`SIZE`]² are numbered along a Z-order curve whose quadrants are permuted at
 //! random at every level. Pixel number i gets the Sobol point i as its shift. So in every aligned block of 2ᵏ

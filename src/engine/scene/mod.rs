@@ -1,6 +1,4 @@
 //! The scene: the form that every renderer reads.
-//!
-//! For: [`Scene`], whose existence is the proof of validity, and its parts.
 
 mod camera;
 mod coordinates;

@@ -1,6 +1,4 @@
 //! The methods of a rendering, chosen at run time: intersection methods, traversal, light sampling, sampler.
-//!
-//! For: [`Methods`] and the choices it holds.
 
 use super::quadrics::SphereChoice;
 use super::tree::Traversal;

@@ -1,8 +1,5 @@
 //! Which primitive a ray hits first.
 //!
-//! For: [`Methods`], the choice of intersection methods; [`Primitives`], a scene ready for intersection; and
-//! the traversals.
-//!
 //! | file | traversal |
 //! |---|---|
 //! | `list` | every primitive is tested, of primary rays those that their tile can see, of shadow rays the [`Occluders`] |

@@ -1,6 +1,4 @@
 //! Why a checkpoint cannot be used: what, where, and how to mend it.
-//!
-//! For: [`CheckpointError`].
 
 use std::io;
 use std::path::PathBuf;

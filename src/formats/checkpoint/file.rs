@@ -1,6 +1,4 @@
 //! Checkpoints as files: written atomically, read with their checksum.
-//!
-//! For: [`save`], [`Checkpoint`], [`is_checkpoint`].
 
 use super::error::CheckpointError;
 use super::identity::{Display, Identity};

@@ -1,6 +1,4 @@
 //! The content of a scene in a few numbers.
-//!
-//! For: [`Fingerprint`].
 
 use crc32fast::Hasher;
 use octray_engine::scene::{Scene, Sphere, Texels, Texture, Triangle};

@@ -1,6 +1,4 @@
 //! What must be the same for two runs to give the same bits.
-//!
-//! For: [`Identity`] and its parts.
 
 use super::fingerprint::Fingerprint;
 use octray_engine::adaptive::Target;

@@ -1,6 +1,4 @@
 //! Joins the shards of a picture: the film has the bits of one run.
-//!
-//! For: [`Parts`].
 
 use super::error::CheckpointError;
 use super::file::{Checkpoint, Header};

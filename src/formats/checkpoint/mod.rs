@@ -1,8 +1,6 @@
 //! Checkpoints: the sums of a film as a file, bit by bit. A rendering resumes from one; the shards of a
 //! picture are parts in this format, and [`merge`](mod@merge) joins them.
 //!
-//! For: [`save`], [`Checkpoint`], [`Identity`], [`merge::Parts`].
-//!
 //! # Format, version 3
 //! All numbers are little-endian; a word has 32 bits.
 //!

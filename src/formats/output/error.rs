@@ -1,6 +1,4 @@
 //! Why an output file was not written: what, where, and how to mend it.
-//!
-//! For: [`OutputError`].
 
 use std::io;
 use std::path::PathBuf;

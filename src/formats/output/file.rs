@@ -1,8 +1,5 @@
 //! Atomic writes: a complete file or none.
 //!
-//! For: [`write_atomically`], [`save_text`], [`save_json`], [`make_folder`], [`check`], which tests
-//! beforehand whether a write can succeed, and [`remove_leftovers`].
-//!
 //! The content is written to a temporary file in the final folder, synced to the disk, and renamed to its
 //! final name in one step. A reader sees the old file or the new one; after a failure the old one is left and
 //! no other.

@@ -1,8 +1,5 @@
 //! Picture files: tone mapping, encoding, and files that are complete or absent.
 //!
-//! For: [`save`] and [`save_unless`], which write a [`Picture`](octray_engine::film::Picture); [`save_text`]
-//! and [`save_json`]; and the parts they are made of.
-//!
 //! | file | what it does |
 //! |---|---|
 //! | [`picture`] | PNG, JPEG, EXR and HDR |

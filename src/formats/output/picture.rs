@@ -1,6 +1,4 @@
 //! Encodes a picture as PNG, JPEG, EXR or HDR, and saves it.
-//!
-//! For: [`Format`], [`encode`], [`save`].
 
 use super::error::OutputError;
 use super::file::{CancellableWriter, Existing, write_atomically};

@@ -1,7 +1,4 @@
 //! Builds a [`Scene`]: the part that all formats share.
-//!
-//! For: [`SceneBuilder`], which collects materials, textures and primitives and fills in defaults, and
-//! [`Attributes`].
 
 use super::check::{has_area, warn_of_size};
 use super::error::SceneError;

@@ -1,7 +1,5 @@
 //! Cameras between keyframes.
 //!
-//! For: [`CameraPath`].
-//!
 //! Position, target, up and field of view follow a Catmull-Rom spline each: a cubic Hermite spline through
 //! the keyframes, with the slope between the two neighbours as the slope at a keyframe, at the ends the slope
 //! of the only neighbour. It passes the keyframes without a jump in speed. Three keyframes on a line and

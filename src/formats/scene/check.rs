@@ -1,7 +1,4 @@
 //! Bounds and checks of numbers that every format shares.
-//!
-//! For: [`fits`], [`is_near`], [`has_area`], [`warn_of_size`], and the checks of a number, vector or colour
-//! at a [`JsonPath`].
 
 use super::error::SceneError;
 use super::json::JsonPath;

@@ -1,6 +1,4 @@
 //! The colours of picture files in linear Rec. 709, the primaries of scenes.
-//!
-//! For: [`to_rec709`], [`xyz_to_rec709`], [`convert`]; [`cicp`], [`chromatic`] and [`linear`] of profiles.
 
 use crate::openexr::Chromaticities;
 use glam::{DMat3, DVec3, Vec3};

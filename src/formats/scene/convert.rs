@@ -1,7 +1,5 @@
 //! Converts a model to a native scene file with its triangles and materials written out.
 //!
-//! For: [`convert_model`].
-//!
 //! Every number reads back as the same bits. Textures stay files, named as in the model's materials; those
 //! inside the model become files.
 

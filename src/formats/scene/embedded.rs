@@ -1,6 +1,4 @@
 //! The scene files and textures that are compiled into the program.
-//!
-//! For: [`names`], [`bench_names`], [`scene`], [`file`].
 
 use std::path::Path;
 

@@ -1,6 +1,4 @@
 //! Why a scene was refused: what, where, and how to mend it.
-//!
-//! For: [`SceneError`].
 
 use octray_engine::scene::Scene;
 use std::path::PathBuf;

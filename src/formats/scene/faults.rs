@@ -1,6 +1,4 @@
 //! All faults of a text of a native format at once, in the words of its reader.
-//!
-//! For: [`read_all`], [`fault`].
 
 use super::error::{MAX_FAULTS, SceneError};
 use super::json::{JsonPath, REMOVE_ONE, Source, data_fault, quoted, read};

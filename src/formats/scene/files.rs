@@ -1,6 +1,4 @@
 //! Reads a scene's other files: from a folder on disk, from the program itself, or from a caller's function.
-//!
-//! For: [`Files`], which also records every path that was requested, and [`has_extension`].
 
 use super::embedded;
 use super::error::SceneError;

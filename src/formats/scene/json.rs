@@ -1,6 +1,4 @@
 //! Reads JSON and locates errors: a JSON path, and from it the line and column.
-//!
-//! For: [`read`], [`Source`], [`JsonPath`].
 
 use super::error::SceneError;
 use super::spelling::did_you_mean;

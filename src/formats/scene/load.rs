@@ -1,6 +1,4 @@
 //! From a name on the command line to a [`Scene`].
-//!
-//! For: [`load`], [`load_with_view`], [`load_as`], [`load_from`], and [`may_be_scene`].
 
 use super::embedded::{self, PREFIX};
 use super::error::SceneError;

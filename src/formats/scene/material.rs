@@ -1,6 +1,4 @@
 //! Materials and skies of the native format: which keys belong together, and the defaults of missing ones.
-//!
-//! For: [`material`], [`sky`].
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;

@@ -1,6 +1,4 @@
 //! A mesh of polygons, as OBJ and PLY files hold it, and the way of a model's triangles into the scene.
-//!
-//! For: [`Mesh`], [`Tally`], [`Unusable`].
 
 use super::builder::{Attributes, SceneBuilder};
 use super::check::{fits, is_near};

@@ -1,8 +1,6 @@
 //! From scene files to a valid [`Scene`].
 //!
-//! For: [`load`], [`load_with_view`] and [`load_from`], which read every format; [`View`], which is also
-//! written; [`convert_model`], which converts a model. The scene model itself is the engine's, re-exported
-//! here.
+//! The scene model itself is the engine's, re-exported here.
 //!
 //! | file | what it does |
 //! |---|---|

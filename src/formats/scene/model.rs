@@ -1,6 +1,4 @@
 //! Models of any format: OBJ, glTF and PLY.
-//!
-//! For: [`is_model`], [`read`], [`scene`].
 
 use super::builder::{DEFAULT_RESOLUTION, SceneBuilder};
 use super::error::SceneError;

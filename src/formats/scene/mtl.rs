@@ -1,7 +1,5 @@
 //! Wavefront MTL: the materials that an OBJ file names.
 //!
-//! For: [`load`].
-//!
 //! `scenes/README.md` says which statements make which material. What is not read or cannot be read gives one
 //! warning for each kind and library, at its first line.
 

@@ -1,6 +1,4 @@
 //! The native scene file as the user wrote it: keys and JSON types, without validation.
-//!
-//! For: [`SceneFile`] and its parts; [`example`].
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};

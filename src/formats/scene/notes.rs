@@ -1,6 +1,4 @@
 //! What is left out of a file: each kind once, with its first place and the number of places.
-//!
-//! For: [`Notes`].
 
 use super::error::{MAX_FAULTS, SceneError};
 use std::fmt::Display;

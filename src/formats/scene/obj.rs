@@ -1,7 +1,5 @@
 //! Wavefront OBJ: from text to a mesh and the names of its materials.
 //!
-//! For: [`Obj`].
-//!
 //! No library is used, so that every fault has its line, no file can cause a panic, and a corner without
 //! texture coordinates never gets another corner's.
 

@@ -1,6 +1,4 @@
 //! How a model is placed: scaled, rotated, translated.
-//!
-//! For: [`Placement`].
 
 use glam::{DMat3, DVec3};
 use octray_engine::math::portable;

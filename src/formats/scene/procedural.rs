@@ -1,7 +1,5 @@
 //! Generated meshes of any size, to measure how cost grows with the number of triangles.
 //!
-//! For: [`scene`], [`words`].
-//!
 //! `terrain:N` is a height field with lakes, `knot:N` a closed tube tied in a trefoil. N is the approximate
 //! number of triangles (a knot has at least 18). The shape does not depend on N, only its tessellation does.
 

@@ -1,6 +1,6 @@
 //! Radiance pictures (.hdr, .pic): what their header says.
 //!
-//! For: [`Radiance`]. The `image` crate decodes the pixels, but knows one orientation and refuses XYZE.
+//! The `image` crate decodes the pixels, but knows one orientation and refuses XYZE.
 //!
 //! Source: G. Ward, "Radiance File Formats", 2024, section 4.
 

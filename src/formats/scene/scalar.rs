@@ -1,6 +1,4 @@
 //! Numbers in binary files.
-//!
-//! For: [`Scalar`].
 
 /// The type of a number.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,4 @@
 //! Suggestions for misspelt names.
-//!
-//! For: [`nearest`], [`did_you_mean`], [`instead`].
 
 /// Longest name that is compared, in bytes: the time grows with the product of two lengths.
 const LONGEST: usize = 200;

@@ -1,6 +1,4 @@
 //! The lines of Wavefront files: statements of a keyword, words and numbers.
-//!
-//! For: [`statements`], [`Statement`], [`without_comment`].
 
 use super::check::{WITHIN_BOUNDS, fits};
 use super::error::SceneError;

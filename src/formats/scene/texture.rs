@@ -1,6 +1,4 @@
 //! Textures: PNG, JPEG, BMP, TGA, HDR and EXR files decoded to texels.
-//!
-//! For: [`Textures`].
 
 use super::colorimetry::{self, linear, to_rec709};
 use super::files::Files;

@@ -1,7 +1,5 @@
 //! The thesis's scene format: its keys, its display colours, its axes.
 //!
-//! For: [`scene`].
-//!
 //! In the thesis's axes y points down and x grows to the left of the picture. Inverting the scene through the
 //! origin, p' = −p, makes y point up and x point right for a camera that looks along −z. It follows with n' =
 //! −n:

@@ -1,6 +1,4 @@
 //! From the native file to a [`Scene`], or an error that says where and how to mend it.
-//!
-//! For: [`scene`], and [`camera_of`], which views share.
 
 use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, MAX_COPIES, SceneBuilder};
 use super::check::{fits, near};

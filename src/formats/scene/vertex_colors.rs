@@ -1,7 +1,5 @@
 //! Colours of vertices as a texture: the engine knows no others.
 //!
-//! For: [`VertexColors`]; [`white`], which tells colours to 1 from those to 255.
-//!
 //! Each triangle has a patch of 2 × 2 texels, and its corners lie at the centres of three of them:
 //!
 //! ```text

@@ -1,6 +1,4 @@
 //! A view: a file that names another scene, with a camera and render options of its own.
-//!
-//! For: [`View`] and [`Loaded`], the writer [`View::text`], and [`ViewFile`] and [`apply`] for `load`.
 
 use super::camera_path::{CameraPath, Keyframe};
 use super::check::warn_of_size;

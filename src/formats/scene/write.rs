@@ -1,7 +1,5 @@
 //! Writes numbers, points, vectors, cameras and relative paths for the native formats. A number reads back as
 //! the same bits.
-//!
-//! For: [`point_in_file`], [`number`], [`vec2`], [`vec3`], [`camera`], [`keyframes`], [`relative`].
 
 use super::camera_path::Keyframe;
 use glam::{DVec3, Vec2, Vec3};

@@ -1,7 +1,5 @@
 //! Intersection kernels alone: a fixed set of rays and primitives, all tested against all.
 //!
-//! For: [`rays`], [`spheres`], [`triangles`], `boxes`, [`all_spheres`], [`all_triangles`], `all_boxes`.
-//!
 //! Rays come in coherent packets, like those of cameras and mirrors; most tests miss, as they do in scenes.
 //! Every lane's result is used. No ray passes within 1e-6 of an edge or a silhouette, so rounding decides
 //! nothing: hits equal those of double precision.

@@ -1,6 +1,4 @@
 //! Measurements of the engine: speed, image error, agreement of its paths, failures of its methods.
-//!
-//! For: the modules of the table in the laboratory's documentation.
 
 pub mod bench;
 pub mod chart;

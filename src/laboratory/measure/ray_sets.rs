@@ -1,7 +1,5 @@
 //! Rays of a real picture in prepared arrays: camera rays, and secondary rays from their hits.
 //!
-//! For: [`RaySet`], [`Answers`], and both together, [`RaysWithHits`].
-//!
 //! Three kinds ([`Kind`]). Primary rays pass through pixel centres. From each of their hits one shadow ray
 //! and one diffuse ray leave on the side from which the primary ray arrives, cosine-weighted around the
 //! normal, from a point that is offset from the surface by the renderer's error bound

@@ -1,7 +1,5 @@
 //! Rays per second by kind of ray and traversal, from prepared arrays: generating the rays is not timed.
 //!
-//! For: [`build`], [`prepare`], [`measure()`].
-//!
 //! All methods are timed in alternating passes, so that a slow spell of the machine affects all alike. Every
 //! pass's hits are compared with those of the scalar traversal.
 

@@ -1,6 +1,4 @@
 //! Intersection methods that are charted and tested beside the engine's own, and never render.
-//!
-//! For: every method of spheres, triangles and boxes by its name; the engine's are among them.
 
 mod baldwin_weber;
 mod boxes;

@@ -1,10 +1,6 @@
 //! The reference: the same picture in f64, one ray and one primitive at a time, written to be obviously
 //! right.
 //!
-//! For: the closest hit of a ray ([`Reference::closest`]), whether a single-precision hit is as accurate as
-//! single precision allows ([`Reference::check_primary`], [`Reference::check_weights`]), the radiance of a
-//! path and of a pixel ([`Reference::path`], [`Reference::pixel`]).
-//!
 //! It shares no equation's code with what it checks. Speed is no goal.
 //!
 //! | file | what it holds |

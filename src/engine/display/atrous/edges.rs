@@ -1,7 +1,5 @@
 //! Pixels at edges of objects and textures: composed of what several of their points show.
 //!
-//! For: [`Task::prepare_edges`], [`Task::compose_edges`].
-//!
 //! A filtered pixel has the albedo and the light at its centre, and so every edge would be a staircase. The
 //! albedos of a few points in the pixel have no noise: the pixel becomes the mean, over the points, of albedo
 //! times the filtered light of the nearest pixel of the same object. Points show what emits exactly. The

@@ -1,7 +1,5 @@
 //! A denoiser: the edge-avoiding à-trous wavelet filter.
 //!
-//! For: [`Denoiser`].
-//!
 //! Source: Dammertz, Sewtz, Hanika, Lensch, "Edge-Avoiding À-Trous Wavelet Transform for fast Global
 //! Illumination Filtering", HPG 2010. Each level is a small blur with twice the tap distance of the level
 //! before. Edge-stopping functions of guide buffers reduce the weight of a tap:

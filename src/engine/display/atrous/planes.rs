@@ -1,6 +1,4 @@
 //! The filter's guide buffers (feature buffers), in planes from which whole packets of taps are loaded.
-//!
-//! For: [`Task`], [`Guide`].
 
 use super::super::rows::packet;
 use crate::film::Picture;

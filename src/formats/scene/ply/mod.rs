@@ -1,7 +1,5 @@
 //! PLY: from a file of ASCII or either binary order to a mesh.
 //!
-//! For: [`parse`].
-//!
 //! Reads the elements `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v), `face` (a list
 //! `vertex_indices` or `vertex_index`, of any length; a list `texcoord`, the number of an image, `texnumber`;
 //! red, green, blue), `tristrips`, and the images that comments `TextureFile` name; others are noted.

@@ -1,6 +1,4 @@
 //! The bytes of a PLY file: header and numbers.
-//!
-//! For: [`Reader`], [`Element`].
 
 use super::super::error::SceneError;
 use super::super::notes::Notes;

@@ -1,7 +1,4 @@
 //! Speed against accuracy: cost and error of every configuration.
-//!
-//! For: [`SceneChart`], the data of `octray chart`: [`mod@kernels`], [`mod@pictures`], [`mod@frames`],
-//! [`mod@display`], [`mod@motion`], compared with the [`mod@ground_truth`].
 
 pub mod clock;
 pub mod configurations;

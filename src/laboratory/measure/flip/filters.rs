@@ -1,7 +1,5 @@
 //! Separable filters: one in x, then one in y.
 //!
-//! For: [`Kernel`], [`rows`], [`columns`].
-//!
 //! Beyond the border, the nearest pixel repeats.
 
 /// The weights of a filter in one direction. Their number is odd; the middle one weighs the pixel itself.

@@ -1,7 +1,5 @@
 //! ꟻLIP: the difference of two pictures as perceived when a screen alternates between them.
 //!
-//! For: [`Flip`].
-//!
 //! Source: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, "FLIP: A Difference Evaluator
 //! for Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020
 //! (HPG), section 4; the low-dynamic-range form. Written from the paper; the test `flip` compares it with the

@@ -1,6 +1,5 @@
 //! The list of all intersection methods by family and name, for test cases, charts and tests.
 //!
-//! For: [`Method`], [`MEANINGS`], and a macro per family that makes an array of its methods.
 //! `sphere_methods!(time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method.
 
 /// A method, and a function of it.

@@ -1,7 +1,5 @@
 //! Where methods fail: test cases of difficult inputs, every method on each, checked in double precision.
 //!
-//! For: [`test_cases`]; `test_case.rs` defines a test case, `methods.rs` lists the methods by family.
-//!
 //! A test case generates rays (or other inputs) with fixed seeds along one axis: a distance, a scale, a
 //! shape. At each place of the axis each method gets the same inputs; an f64 computation, which shares
 //! nothing with the methods, counts failures and measures errors. The result does not depend on threads.

@@ -1,6 +1,4 @@
 //! Rays from points in single and double precision.
-//!
-//! For: [`ray`], `towards`, `to_f64`.
 
 use crate::math::{Ray, Vec3};
 use glam::DVec3;

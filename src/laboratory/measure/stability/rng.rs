@@ -1,6 +1,4 @@
 //! Random numbers for test cases and tests.
-//!
-//! For: [`Rng`].
 
 use glam::DVec3;
 

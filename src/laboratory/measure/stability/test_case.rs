@@ -1,6 +1,4 @@
 //! A test case: inputs on which methods fail, and the failures of each method.
-//!
-//! For: [`TestCase`], [`Bound`], [`FailureCounts`], [`Outcome`].
 
 use super::methods::Method;
 use super::rng::Rng;

@@ -84,10 +84,10 @@ impl Tracer {
         }
     }
 
-    /// Improves the hits of all rays, in the coordinates of the scene and with directions of unit length. They
-    /// end at the `t` that their hits come with, and nowhere else. With `ANY`, each ray ends at the first hit
-    /// found: then only whether `primitive` is [`MISS`] is defined. Without a binary tree, [`Traversal::Scalar`]
-    /// is [`Traversal::Single`]: the hits are the same. A `counter` counts the tests.
+    /// Improves the hits of all rays, in the coordinates of the scene and with directions of unit length.
+    /// They end at the `t` that their hits come with, and nowhere else. With `ANY`, each ray ends at the
+    /// first hit found: then only whether `primitive` is [`MISS`] is defined. Without a binary tree,
+    /// [`Traversal::Scalar`] is [`Traversal::Single`]: the hits are the same. A `counter` counts the tests.
     pub fn trace_in_scene<const ANY: bool>(
         &mut self,
         traversal: Traversal,

@@ -114,8 +114,8 @@ impl SceneBuilder {
         self.scene.unrounded.iter_mut().for_each(|all| all.spheres.push(unrounded));
     }
     /// Adds a triangle and returns true, or returns false because it has no area in single precision. Texture
-    /// coordinates are kept only if the material has textures, and vertex normals only if they differ from the
-    /// geometric normal. Vertex colours are kept where the material can be [`Self::colored`].
+    /// coordinates are kept only if the material has textures, and vertex normals only if they differ from
+    /// the geometric normal. Vertex colours are kept where the material can be [`Self::colored`].
     #[must_use]
     pub fn add_triangle(&mut self, unrounded: [DVec3; 3], material: u32, attributes: Attributes) -> bool {
         let vertices = unrounded.map(DVec3::as_vec3);

@@ -94,9 +94,9 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
 
 /// Sets the coordinates of a scene, or only their origin where nothing but models says how large it is. The
 /// origin is the point that the file gives for it, or where the camera stands: what is rounded relative to
-/// that moves by no part of a pixel that shows, unless the field of view is [`NARROW`]; then it is the nearest
-/// point in the picture. Without a camera's position it is what the camera looks at, a corner of a triangle or
-/// the middle of the smallest sphere. So it does not depend on which point of the line of sight is named.
+/// that moves by no part of a pixel that shows, unless the field of view is [`NARROW`]; then it is the
+/// nearest point in the picture. Without a camera's position it is what the camera looks at, a corner of a
+/// triangle or the middle of the smallest sphere. It is the same whatever point of the line is named.
 fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
     let camera = file.camera.as_ref().map_or([None; 2], |camera| [camera.position, camera.look_at]);
     let [position, look_at] = camera.map(|point| point.map(DVec3::from));
@@ -222,9 +222,9 @@ pub fn camera_of(
     }
 }
 
-/// The point that a camera looks at, or another on the same line of sight, of which only the direction counts.
-/// Where a point is far beyond the scene, or so near that rounding would turn the line, it is one at a few
-/// distances of the scene's primitives: the same for all such points of a line.
+/// The point that a camera looks at, or another on the same line of sight, of which only the direction
+/// counts. Where a point is far beyond the scene, or so near that rounding would turn the line, it is one at
+/// a few distances of the scene's primitives: the same for all such points of a line.
 fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
     let (from, (lower, upper)) = (position.as_dvec3(), scene.bounds());
     let (sight, from_origin) = (look_at - from, from.length());

@@ -129,7 +129,7 @@ const BEYOND: f64 = 2.0 / 16_384.0;
 const WHITE: Vec3 = Vec3::ONE;
 
 fn plastic(alpha: f32, ior: f32, color: Vec3) -> Lobe {
-    Lobe::Plastic { alpha, ior, color, transmitted: mean_transmittance(ior, alpha) }
+    Lobe::Plastic { alpha, ior, color, transmitted: mean_transmittance(ior) }
 }
 
 fn lobes() -> Vec<Lobe> {
@@ -270,9 +270,13 @@ fn samples_are_distributed_as_their_density_says() {
 }
 
 #[test]
-fn plastic_and_uncompensated_metal_look_the_same_both_ways() {
+fn smooth_plastic_and_uncompensated_metal_look_the_same_both_ways() {
     let mut rng = Rng(72);
-    let reciprocal = |lobe: &Lobe| !matches!(lobe, Lobe::FuzzyMirror { .. } | Lobe::MetalRough { .. });
+    let reciprocal = |lobe: &Lobe| match *lobe {
+        Lobe::FuzzyMirror { .. } | Lobe::MetalRough { .. } => false,
+        Lobe::Plastic { alpha, .. } => alpha < ggx::NARROW,
+        _ => true,
+    };
     for lobe in lobes().into_iter().filter(reciprocal) {
         for _ in 0..20_000 {
             let n = rng.direction();
@@ -324,9 +328,10 @@ fn white_furnace_loses_what_is_stated_and_gains_nothing() {
     {
         returns(Lobe::Ggx { alpha }, least, 1.0 + 1e-5);
     }
+    // What the fits of a rough coat are off, at the most grazing angles.
     for ior in [1.0, 1.33, 1.5, 3.0] {
-        for (roughness, least) in [(0.0_f32, 1.0), (0.1, 0.93), (0.4, 0.564), (0.7, 0.741), (1.0, 0.827)] {
-            returns(plastic(roughness * roughness, ior, WHITE), least, 1.003);
+        for (roughness, off) in [(0.0_f32, 0.003), (0.1, 0.02), (0.4, 0.03), (0.7, 0.02), (1.0, 0.02)] {
+            returns(plastic(roughness * roughness, ior, WHITE), 1.0 - off, 1.0 + off);
         }
     }
 }
@@ -378,7 +383,7 @@ fn albedos_are_the_integrals_that_they_fit() {
             let cos = if part % 2 == 0 { c } else { stretched };
             let (white, grazing) = albedo_by_quadrature(cos, alpha);
             let fit = Albedo::of(cos as f32, alpha as f32);
-            let off = [f64::from(fit.white) / white - 1.0, f64::from(fit.grazing) - grazing];
+            let off = [f64::from(fit.white) / white - 1.0, f64::from(fit.grazing()) - grazing];
             assert!(off[0].abs() < 0.005 && off[1].abs() < 0.008, "{roughness}, {cos}: {off:?}");
         }
     }

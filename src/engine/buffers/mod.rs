@@ -223,9 +223,7 @@ fn material_row(material: &scene::Material) -> [f32; 8] {
 /// See [`Buffers::material_extra`].
 fn detail_row(material: &scene::Material) -> [f32; 8] {
     let (ior, transmitted) = match material.kind {
-        MaterialKind::Plastic { roughness, ior } => {
-            (ior, plastic::mean_transmittance(ior, roughness * roughness))
-        }
+        MaterialKind::Plastic { ior, .. } => (ior, plastic::mean_transmittance(ior)),
         MaterialKind::MetalRough { metallic, ior, .. } => (metal_rough::normal_reflectance(ior), metallic),
         _ => (1.0, 1.0),
     };

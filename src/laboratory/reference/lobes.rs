@@ -77,10 +77,8 @@ pub(super) fn sample(
             (w.dot(n) > 0.0).then(|| (raise(w.normalize(), horizon), 1.0))
         }
         MaterialKind::Plastic { roughness, ior } => {
-            let roughness = f64::from(roughness);
-            let transmitted = transmitted(f64::from(ior), roughness * roughness);
-            let coat = Coat { ior: f64::from(ior), alpha: (roughness * rougher).powi(2), transmitted };
-            return plastic(color, &coat, d, normals, number);
+            let alpha = (f64::from(roughness) * rougher).powi(2);
+            return plastic(color, (alpha, f64::from(ior)), d, normals, number);
         }
         MaterialKind::MetalRough { roughness, metallic, ior } => {
             let ior = f64::from(ior);
@@ -172,31 +170,19 @@ pub(super) fn width(kind: MaterialKind, rougher: f64) -> f64 {
 const NARROWEST_ALPHA: f64 = 1.0 / 8192.0;
 const NARROWEST_CONE: f64 = 1.0 / 64.0;
 
-struct Coat {
-    ior: f64,
-    alpha: f64,
-    /// Hemispherical transmittance at the material's own roughness, without its roughness map.
-    transmitted: f64,
-}
-
 /// Fresnel reflectance from outside at a cosine, without total reflection.
 fn reflected(ior: f64, cos: f64) -> f64 {
     let cos_t = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
     fresnel(1.0 / ior, cos, cos_t)
 }
 
-/// Transmittance of the coat; a rough coat is evaluated at a larger cosine.
-fn transmittance(ior: f64, alpha: f64, cos: f64) -> f64 {
-    1.0 - reflected(ior, cos + (1.0 - cos) * 0.43 * alpha.powf(1.5))
-}
-
-/// 2 ∫ T(c) c dc by Simpson's rule.
-fn transmitted(ior: f64, alpha: f64) -> f64 {
+/// The share of uniform light that a smooth coat lets through: 2 ∫ (1 − F(c)) c dc by Simpson's rule.
+fn transmitted(ior: f64) -> f64 {
     let steps = 200;
     let terms = (0..=steps).map(|i| {
         let c = f64::from(i) / f64::from(steps);
         let weight = if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
-        weight * 2.0 * transmittance(ior, alpha, c) * c
+        weight * 2.0 * (1.0 - reflected(ior, c)) * c
     });
     terms.sum::<f64>() / (3.0 * f64::from(steps))
 }
@@ -204,20 +190,28 @@ fn transmitted(ior: f64, alpha: f64) -> f64 {
 /// A GGX coat over a Lambert base: the equations at the head of `kernel/bsdf/plastic.rs`.
 fn plastic(
     color: DVec3,
-    coat: &Coat,
+    (alpha, ior): (f64, f64),
     d: DVec3,
     normals: &Normals,
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
-    let Coat { ior, alpha, transmitted } = *coat;
-    let transmittance = |cos: f64| transmittance(ior, alpha, cos);
+    let transmitted = transmitted(ior);
     let base = color / ((DVec3::ONE - color) * ior * ior + color * transmitted);
     let cos_o = -d.dot(normals.ns_specular);
-    let entered = transmittance(cos_o);
+    let (white, facet_cosine) = if alpha < NARROWEST_ALPHA { (1.0, cos_o) } else { albedo(cos_o, alpha) };
+    let entered = 1.0 - white * reflected(ior, facet_cosine);
     let brightest = base.max_element() * transmitted * entered;
     let on_coat = (1.0 - entered) / (1.0 - entered + brightest);
     let fresnel = |cos: f64| DVec3::splat(reflected(ior, cos));
-    ggx_over_lambert(d, normals, alpha, on_coat, fresnel, |cos| base * entered * transmittance(cos), number)
+    ggx_over_lambert(
+        d,
+        normals,
+        alpha,
+        on_coat,
+        fresnel,
+        |cos| base * entered * (1.0 - reflected(ior, cos)),
+        number,
+    )
 }
 
 /// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs`.
@@ -229,7 +223,8 @@ fn metal_rough(
     number: impl Fn(u32) -> f64,
 ) -> Option<(DVec3, DVec3, bool)> {
     let normal = DVec3::splat((1.0 - metallic) * f0) + color * metallic;
-    let (white, grazing) = albedo(-d.dot(normals.ns_specular), alpha);
+    let (white, facet_cosine) = albedo(-d.dot(normals.ns_specular), alpha);
+    let grazing = white * (1.0 - facet_cosine).max(0.0).powi(5);
     let reflected = |f0: f64| (f0 * white + (1.0 - f0) * grazing) / (1.0 - f0 * (1.0 - white));
     let fresnel = |cos: f64| {
         let schlick =
@@ -242,7 +237,8 @@ fn metal_rough(
     ggx_over_lambert(d, normals, alpha, on_specular, fresnel, |_| base, number)
 }
 
-/// E and E₅ of white GGX at a cosine: the fits of the model, at the head of `kernel/bsdf/albedo.rs`.
+/// E of white GGX at a cosine and the mean cosine at its facets: the fits of the model, at the head of
+/// `kernel/bsdf/albedo.rs`.
 fn albedo(cos: f64, a: f64) -> (f64, f64) {
     let mu = cos.clamp(1e-6, 1.0);
     let s = (mu * mu + a * a * (1.0 - mu * mu)).sqrt();
@@ -257,7 +253,7 @@ fn albedo(cos: f64, a: f64) -> (f64, f64) {
     let white = 1.0 - loss / divisor;
     let above = s * (3.910 + 149.98 * s) - mu * (3.019 + 114.20 * s) + 1.198 * a;
     let below = 1.0 + s * (84.49 + 248.7 * s) + mu * (141.07 * mu - 386.2 * s + 16.95 * a - 50.08);
-    (white, white * (1.0 - above / below).max(0.0).powi(5))
+    (white, above / below)
 }
 
 /// A GGX lobe of the reflectance `fresnel` at the cosine of the microfacet, sampled with the probability

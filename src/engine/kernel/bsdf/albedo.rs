@@ -31,8 +31,8 @@ use crate::math::Vec3;
 pub struct Albedo<L: Lane> {
     /// E.
     pub white: L,
-    /// E₅.
-    pub grazing: L,
+    /// The cosine h · o of a facet at which a share as large as the mean is (1 − h · o)⁵: E₅ = E (1 − h)⁵.
+    pub facet_cosine: L,
 }
 
 impl<L: Lane> Albedo<L> {
@@ -60,8 +60,12 @@ impl<L: Lane> Albedo<L> {
         let above = mu.mul_add(s.mul_add(n(-114.20), n(-3.019)), s * s.mul_add(n(149.98), n(3.910)));
         let below = mu.mul_add(n(141.07), s.mul_add(n(-386.2), a.mul_add(n(16.95), n(-50.08))));
         let below = mu.mul_add(below, s.mul_add(s.mul_add(n(248.7), n(84.49)), one));
-        let grazing = white * schlick(a.mul_add(n(1.198), above) / below);
-        Self { white, grazing }
+        Self { white, facet_cosine: a.mul_add(n(1.198), above) / below }
+    }
+    /// E₅.
+    #[inline(always)]
+    pub fn grazing(&self) -> L {
+        self.white * schlick(self.facet_cosine)
     }
     /// 1 / (1 − F₀ (1 − E)).
     #[inline(always)]
@@ -76,7 +80,8 @@ impl<L: Lane> Albedo<L> {
     /// What is reflected in all with Schlick's F.
     #[inline(always)]
     pub fn reflected(&self, f0: L) -> L {
-        f0.mul_add(self.white - self.grazing, self.grazing) * self.series(f0)
+        let grazing = self.grazing();
+        f0.mul_add(self.white - grazing, grazing) * self.series(f0)
     }
 }
 

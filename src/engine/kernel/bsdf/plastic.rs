@@ -9,23 +9,22 @@
 //!   = F D G₂ / (4 cos i cos o) + T(i) T(o) / π · a / (η² (1 − a) + a T̄)
 //! ```
 //!
-//! It is reciprocal. With a smooth coat and a = 1 it returns all light, F(o) + T(o) = 1. A grazing ray meets
-//! the facets of a rough coat less obliquely than the plane of the coat, so T is that of the cosine c + (1 −
-//! c) κ α^1.5 with κ = `GRAZING_FIT`: the largest κ that creates no light, by quadrature (0.07 % at most, for
-//! indices from 1 to 3). `tests/laws/lobes.rs` measures and states what a rough coat loses.
+//! Of a smooth coat T(c) = 1 − F(c), and f is reciprocal: with a = 1 it returns all light. A rough coat loses
+//! light between its facets, which goes into the base: there T(o) = 1 − E(o) F(h) with the directional albedo E
+//! and the facets' mean cosine h of [`super::albedo`], so that a = 1 returns all light, but f is not reciprocal.
+//! `tests/laws/lobes.rs` measures how much.
 //!
 //! Source: Wolff, Nayar, Oren, "Improved Diffuse Reflection Models for Computer Vision", IJCV 1998; Jakob,
 //! Mitsuba, `plastic`; 1 − F′ = T̄ / η²: Egan, Hilgeman, Optical Properties of Inhomogeneous Materials, 1979.
-//! The fit of the grazing cosine is our own.
+//! What a rough coat gives to its base: Kulla, Conty, "Revisiting Physically Based Shading at Imageworks",
+//! SIGGRAPH 2017.
 
+use super::albedo::Albedo;
 use super::lobe_normals::LobeNormals;
 use super::sample::{BsdfEval, BsdfSample, LobeEval};
 use super::{diffuse, fresnel, ggx};
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
-
-/// κ in the head of this file.
-const GRAZING_FIT: f32 = 0.43;
 
 /// The parameters of plastic.
 #[derive(Clone, Copy, Debug)]
@@ -42,16 +41,13 @@ pub struct Plastic<L: Lane> {
 
 /// T̄: the coat's transmittance of uniform incident radiance.
 ///
-/// Domain: `ior` ≥ 1, `alpha` in [0, 1].
+/// Domain: `ior` ≥ 1.
 /// Error: less than 1e-6; in f64 by the midpoint rule over c².
-pub fn mean_transmittance(ior: f32, alpha: f32) -> f32 {
+pub fn mean_transmittance(ior: f32) -> f32 {
     const STEPS: u32 = 4096;
-    let (eta, alpha) = (1.0 / f64::from(ior), f64::from(alpha));
-    let fit = f64::from(GRAZING_FIT) * alpha * alpha.sqrt();
-    let transmittance = |step: u32| {
-        let c = ((f64::from(step) + 0.5) / f64::from(STEPS)).sqrt();
-        1.0 - fresnel::reflectance_f64(eta, c + (1.0 - c) * fit)
-    };
+    let eta = 1.0 / f64::from(ior);
+    let transmittance =
+        |step: u32| 1.0 - fresnel::reflectance_f64(eta, ((f64::from(step) + 0.5) / f64::from(STEPS)).sqrt());
     ((0..STEPS).map(transmittance).sum::<f64>() / f64::from(STEPS)) as f32
 }
 
@@ -64,8 +60,6 @@ pub struct PlasticView<L: Lane> {
     base: Vec3<L>,
     /// The probability of sampling the coat.
     coat_probability: L,
-    /// κ α^1.5.
-    grazing: L,
     /// 1 / η.
     inverse_ior: L,
 }
@@ -75,18 +69,17 @@ impl<L: Lane> PlasticView<L> {
     #[inline(always)]
     pub fn none() -> Self {
         let zero = L::zero();
-        Self { into_base: zero, base: Vec3::zero(), coat_probability: zero, grazing: zero, inverse_ior: zero }
+        Self { into_base: zero, base: Vec3::zero(), coat_probability: zero, inverse_ior: zero }
     }
     #[inline(always)]
     fn fresnel(&self, cos: L) -> L {
         // Above 0: at a cosine of 0 an index of 1 gives 0/0.
         fresnel::dielectric(self.inverse_ior, cos.min(L::one()).max(L::splat(1e-6))).reflectance
     }
-    /// T of a direction, from its cosine.
+    /// T of the direction of the light, from its cosine.
     #[inline(always)]
     fn transmittance(&self, cos: L) -> L {
-        let cos = cos.max(L::zero());
-        L::one() - self.fresnel((L::one() - cos).mul_add(self.grazing, cos))
+        L::one() - self.fresnel(cos)
     }
     /// F at the facet that reflects d into `wi`: h · o = |h| / 2.
     #[inline(always)]
@@ -100,13 +93,13 @@ impl<L: Lane> Plastic<L> {
     /// Prepares the lobe for rays that arrive along `d`.
     #[inline(always)]
     pub fn view(&self, d: Vec3<L>, n: Vec3<L>) -> PlasticView<L> {
-        let mut view = PlasticView {
-            base: self.base_factor(),
-            grazing: L::splat(GRAZING_FIT) * self.alpha * self.alpha.sqrt(),
-            inverse_ior: L::one() / self.ior,
-            ..PlasticView::none()
-        };
-        view.into_base = view.transmittance(ggx::cos_o(d, n));
+        let mut view =
+            PlasticView { base: self.base_factor(), inverse_ior: L::one() / self.ior, ..PlasticView::none() };
+        let cos = ggx::cos_o(d, n);
+        let Albedo { white, facet_cosine } = Albedo::of(cos, self.alpha);
+        let smooth = ggx::is_narrow(self.alpha);
+        let fresnel = view.fresnel(L::select(smooth, cos, facet_cosine));
+        view.into_base = L::one() - L::select(smooth, fresnel, white * fresnel);
         view.coat_probability = self.coat_probability(view.into_base, view.base);
         view
     }

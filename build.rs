@@ -1,5 +1,5 @@
-//! Records what the program is built from and with: `OCTRAY_COMMIT`, `OCTRAY_RUSTC`, `OCTRAY_FLAGS`; and how to build it for
-//! the machine at hand: `OCTRAY_REBUILD`. Never fails a build.
+//! Records what the program is built from and with: `OCTRAY_COMMIT`, `OCTRAY_RUSTC`, `OCTRAY_FLAGS`; and how
+//! to build it for the machine at hand: `OCTRAY_REBUILD`. Never fails a build.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -4,8 +4,8 @@
 //!     compute fma THREADS        billions of steps a second, of all threads together
 //!     compute steps N            N steps, for counting
 //!
-//! A step is CHAINS fused multiply-adds of eight lanes. A multiply-add is ready after 4 cycles and two start in
-//! a cycle, so 8 chains would do; 12 and the two constants stay within the 16 registers.
+//! A step is CHAINS fused multiply-adds of eight lanes. A multiply-add is ready after 4 cycles and two start
+//! in a cycle, so 8 chains would do; 12 and the two constants stay within the 16 registers.
 
 use std::hint::black_box;
 use std::sync::Barrier;

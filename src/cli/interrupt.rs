@@ -1,6 +1,6 @@
 //! Ctrl-C: the first requests an end, the second ends the program with nothing written. Before any part of a
-//! picture is done, the first ends the program too. SIGTERM and, unless `nohup` has it ignored, SIGHUP request
-//! an end as the first Ctrl-C does, however often they come: `timeout` and shells send them twice.
+//! picture is done, the first ends the program too. SIGTERM and, unless `nohup` has it ignored, SIGHUP
+//! request an end as the first Ctrl-C does, however often they come: `timeout` and shells send them twice.
 
 use super::error::INTERRUPTED;
 use super::terminal;

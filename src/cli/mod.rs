@@ -63,10 +63,10 @@ use std::process::ExitCode;
 /// picture, bit by bit.
 ///
 /// A SCENE is one of: a scene file (.json, in octray's own format or in the thesis's); a view (.json, format
-/// octray-view-1), which names another scene, a camera and options of render: all commands use its camera (rays
-/// with --camera scene), and render and view its options; a model (.obj, .gltf, .glb or .ply, framed automatically under a
-/// plain sky unless it has a camera); or a built-in scene (builtin:NAME). `octray inspect SCENE` shows what a
-/// scene contains.
+/// octray-view-1), which names another scene, a camera and options of render: all commands use its camera
+/// (rays with --camera scene), and render and view its options; a model (.obj, .gltf, .glb or .ply, framed
+/// automatically under a plain sky unless it has a camera); or a built-in scene (builtin:NAME). `octray
+/// inspect SCENE` shows what a scene contains.
 ///
 /// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C came before the end.
 #[derive(Debug, Parser)]

@@ -13,8 +13,8 @@ pub type Chromaticities = [[f32; 2]; 4];
 
 /// The first layer with red, green and blue channels, or else the first grey one, in the size of the file's
 /// display window; black outside the layer's data window. The primaries of its colours, if it names them. And
-/// what is left out, as clauses. Windows of more than `most` pixels are refused before anything of their size is allocated. DWAA and DWAB, which are lossy,
-/// decode to other bits on processors without AVX2.
+/// what is left out, as clauses. Windows of more than `most` pixels are refused before anything of their size
+/// is allocated. DWAA and DWAB, which are lossy, decode to other bits on processors without AVX2.
 pub fn read(
     bytes: &[u8],
     most: u64,

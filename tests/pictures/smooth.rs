@@ -47,8 +47,8 @@ fn white_furnace_of_a_smooth_ball_loses_nothing() {
     }
 }
 
-/// White, with a normal that a map tilts by so many degrees towards x, seen at so many degrees from that side,
-/// from above or from below.
+/// White, with a normal that a map tilts by so many degrees towards x, seen at so many degrees from that
+/// side, from above or from below.
 fn tilted(kind: MaterialKind, [tilt, view]: [f32; 2], side: f32) -> Scene {
     let from = |degrees: f32| vec3(degrees.to_radians().sin(), degrees.to_radians().cos() * side, 0.0);
     let texel = from(tilt) * 0.5 + 0.5;

@@ -6,9 +6,10 @@
 //!
 //! One rule for all lobes ([`super::bsdf::LobeNormals`]):
 //!
-//! - Specular lobes scatter about `ns`, turned towards the ray where it faces away ([`facing`]). What they send
-//!   below the horizon leaves along the direction mirrored in the horizon's plane: mirrors and the roughest
-//!   lobes lose nothing, and pdfs count both directions. Glass refracts below the surface by the same rule.
+//! - Specular lobes scatter about `ns`, turned towards the ray where it faces away ([`facing`]). What they
+//!   send below the horizon leaves along the direction mirrored in the horizon's plane: mirrors and the
+//!   roughest lobes lose nothing, and pdfs count both directions. Glass refracts below the surface by the
+//!   same rule.
 //! - Diffuse lobes scatter about `ns` from every view and under every coat. Samples below the horizon are
 //!   absorbed, and light close above it is faded by [`shadow_terminator`].
 //! - The horizon of delta lobes is the plane of `ng`. Other lobes have that of the interpolated normal, and
@@ -16,11 +17,11 @@
 //!   Ray Tracing Gems II ch. 4, 2021), so that coarse triangles show no edges where the light grazes them.
 //!   Such a ray may meet the body that it leaves, from outside.
 //!
-//! `octray stability --only scattering-glossy` charts what others do: bent normals (Keller et al., "The Iray Light
-//! Transport Simulation and Rendering System", 2017, §A.3) lose up to half of a rough lobe's light, and a
-//! factor on all lobes (Chiang, Li, Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019) makes glossy
-//! ones black. Microfacets (Schüßler et al., "Microfacet-based Normal Mapping for Robust Monte Carlo Path
-//! Tracing", 2017) return all light as mirroring does, by a second facet and more cases to sample.
+//! `octray stability --only scattering-glossy` charts what others do: bent normals (Keller et al., "The Iray
+//! Light Transport Simulation and Rendering System", 2017, §A.3) lose up to half of a rough lobe's light, and
+//! a factor on all lobes (Chiang, Li, Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019) makes
+//! glossy ones black. Microfacets (Schüßler et al., "Microfacet-based Normal Mapping for Robust Monte Carlo
+//! Path Tracing", 2017) return all light as mirroring does, by a second facet and more cases to sample.
 
 use crate::lane::Lane;
 use crate::math::Vec3;
@@ -109,9 +110,9 @@ pub fn sphere_tangent<L: Lane>(n: Vec3<L>, inside: L::Mask) -> (Vec3<L>, L) {
     (east * hand, hand)
 }
 
-/// The shading normal `ns`, turned towards the ray of direction `d` where it faces it by less than half as much
-/// as `ng` does, its mirror directions then being about at the horizon. One that faces away faces the ray by
-/// that much, or by as much as it faced away: nothing jumps where a bumpy surface turns from the eye.
+/// The shading normal `ns`, turned towards the ray of direction `d` where it faces it by less than half as
+/// much as `ng` does, its mirror directions then being about at the horizon. One that faces away faces the
+/// ray by that much, or by as much as it faced away: nothing jumps where a bumpy surface turns from the eye.
 #[inline(always)]
 pub fn facing<L: Lane>(d: Vec3<L>, ns: Vec3<L>, ng: Vec3<L>) -> Vec3<L> {
     let (least, away) = (L::splat(-0.5) * d.dot(ng), d.dot(ns));
@@ -120,12 +121,12 @@ pub fn facing<L: Lane>(d: Vec3<L>, ns: Vec3<L>, ng: Vec3<L>) -> Vec3<L> {
 }
 
 /// The factor by which diffuse lobes about `ns` see less of the light along `w` close above the horizon, the
-/// plane of `ng`, and more further up. It is 0 at the horizon, where a lobe of the light's cosine would end at
-/// an edge, up to 1.25 where `ns` adds four times the height above the horizon to that cosine, and 1 where it
-/// adds no more than twice the height.
+/// plane of `ng`, and more further up. It is 0 at the horizon, where a lobe of the light's cosine would end
+/// at an edge, up to 1.25 where `ns` adds four times the height above the horizon to that cosine, and 1 where
+/// it adds no more than twice the height.
 ///
-/// What it takes from uniform light it gives back: of (1 + cos θ) / 2, the share of a lobe tilted by θ that is
-/// above the horizon, it loses 0.4 % at most, up to θ = 85°, and adds 0.2 %.
+/// What it takes from uniform light it gives back: of (1 + cos θ) / 2, the share of a lobe tilted by θ that
+/// is above the horizon, it loses 0.4 % at most, up to θ = 85°, and adds 0.2 %.
 #[inline(always)]
 pub fn shadow_terminator<L: Lane>(w: Vec3<L>, ns: Vec3<L>, ng: Vec3<L>) -> L {
     let height = w.dot(ng);

@@ -67,8 +67,8 @@ pub fn chromatic(gamma: Option<f32>, primaries: Option<Chromaticities>) -> Color
     profile
 }
 
-/// The linear texels of a picture, clipped to Rec. 709. `Some(None)` where the profile is sRGB, and `None` where
-/// it has no curves: it is of tables, or not of RGB or grey.
+/// The linear texels of a picture, clipped to Rec. 709. `Some(None)` where the profile is sRGB, and `None`
+/// where it has no curves: it is of tables, or not of RGB or grey.
 pub fn linear(profile: &ColorProfile, picture: &DynamicImage) -> Option<Option<Texels>> {
     let grey = profile.gray_trc.as_ref();
     let rows = profile.transform_matrix(&ColorProfile::new_srgb()).v;

@@ -133,8 +133,8 @@ impl Normals {
         if self.has_ns { vec![w, reflect(w, self.horizon)] } else { vec![w] }
     }
 
-    /// The weight of a diffuse lobe's light from `w`, `None` below the horizon: see "diffuse lobes" at the head
-    /// of `kernel/normals.rs`.
+    /// The weight of a diffuse lobe's light from `w`, `None` below the horizon: see "diffuse lobes" at the
+    /// head of `kernel/normals.rs`.
     fn fade(&self, w: DVec3) -> Option<f64> {
         let height = w.dot(self.horizon);
         let added = w.dot(self.ns_diffuse) - self.ns_diffuse.dot(self.horizon) * height;

@@ -2,9 +2,9 @@
 //!
 //! Below, ε = 2⁻²⁴ is the largest relative error of one rounding in f32. Origin and direction are f32 numbers
 //! and so exact; centres, radii and vertices are those of the scene's file, where the reference has them, so
-//! that what their rounding moves by more than these bounds is wrong. Distances are in scene units: `t` times the length of the
-//! direction. The bounds add the first-order errors of a kernel's steps; they hold while no product of
-//! lengths over- or underflows (lengths from 10⁻¹⁸ to 10¹⁸).
+//! that what their rounding moves by more than these bounds is wrong. Distances are in scene units: `t` times
+//! the length of the direction. The bounds add the first-order errors of a kernel's steps; they hold while no
+//! product of lengths over- or underflows (lengths from 10⁻¹⁸ to 10¹⁸).
 //!
 //! # Errors are measured from the surface, not along the ray
 //! Where a ray grazes a surface, a small sideways error of the ray moves its hit far along it: on a sphere of

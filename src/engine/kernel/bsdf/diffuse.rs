@@ -7,8 +7,8 @@ use crate::math::Vec3;
 use crate::sampling::warp;
 use std::f32::consts::FRAC_1_PI;
 
-/// Samples with pdf cos θ / π and weight 1, and never below the surface. At a shading normal it may absorb, and
-/// the weight is that of [`crate::kernel::normals::shadow_terminator`].
+/// Samples with pdf cos θ / π and weight 1, and never below the surface. At a shading normal it may absorb,
+/// and the weight is that of [`crate::kernel::normals::shadow_terminator`].
 #[inline(always)]
 pub fn sample<L: Lane>(normals: &LobeNormals<L>, u: L, v: L) -> BsdfSample<L> {
     let wi = warp::sample_cosine_hemisphere(normals.diffuse, u, v);

@@ -10,9 +10,9 @@
 //! ```
 //!
 //! Of a smooth coat T(c) = 1 − F(c), and f is reciprocal: with a = 1 it returns all light. A rough coat loses
-//! light between its facets, which goes into the base: there T(o) = 1 − E(o) F(h) with the directional albedo E
-//! and the facets' mean cosine h of [`super::albedo`], so that a = 1 returns all light, but f is not reciprocal.
-//! `tests/laws/lobes.rs` measures how much.
+//! light between its facets, which goes into the base: there T(o) = 1 − E(o) F(h) with the directional albedo
+//! E and the facets' mean cosine h of [`super::albedo`], so that a = 1 returns all light, but f is not
+//! reciprocal. `tests/laws/lobes.rs` measures how much.
 //!
 //! Source: Wolff, Nayar, Oren, "Improved Diffuse Reflection Models for Computer Vision", IJCV 1998; Jakob,
 //! Mitsuba, `plastic`; 1 − F′ = T̄ / η²: Egan, Hilgeman, Optical Properties of Inhomogeneous Materials, 1979.

@@ -3,8 +3,8 @@
 //! Reads the elements `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v), `face` (a list
 //! `vertex_indices` or `vertex_index`, of any length; a list `texcoord`, the number of an image, `texnumber`;
 //! red, green, blue), `tristrips`, and the images that comments `TextureFile` name; others are noted.
-//! Colours are linear real numbers to 1, or display values (sRGB) to 255, 65,535 or the largest of their type:
-//! the largest of the file tells.
+//! Colours are linear real numbers to 1, or display values (sRGB) to 255, 65,535 or the largest of their
+//! type: the largest of the file tells.
 //!
 //! No library is used: one (`ply-rs-bw`) needs a parser generator and makes a map of each element, the other
 //! (`serde-ply`) is at version 0.2. Here every count is checked against the bytes that are there, faults have

@@ -117,8 +117,8 @@ fn chiang(w: Vec3<f32>, ns: Vec3<f32>, ng: Vec3<f32>) -> f32 {
     ((1.0 - g) * g + 1.0) * g
 }
 
-/// `ns`, bent towards `ng` until the mirror direction of `d` is above the surface: by half the sine at which d
-/// arrives, at most 0.01.
+/// `ns`, bent towards `ng` until the mirror direction of `d` is above the surface: by half the sine at which
+/// d arrives, at most 0.01.
 fn bend(d: Vec3<f32>, ns: Vec3<f32>, ng: Vec3<f32>) -> Vec3<f32> {
     let mirrored = d.reflect(ns);
     let (sine, least) = (mirrored.dot(ng), (-0.5 * d.dot(ng)).clamp(1e-6, 0.01));
@@ -160,8 +160,8 @@ fn diffuse_light(
     if failed { counts.record(true) } else { counts.record_error(1.0 - passed / share) }
 }
 
-/// A treatment of the arriving direction and the shading and the geometric normal, given what samples the lobe
-/// about a normal.
+/// A treatment of the arriving direction and the shading and the geometric normal, given what samples the
+/// lobe about a normal.
 type Glossy = fn(Vec3<f32>, [Vec3<f32>; 2], &dyn Fn(Vec3<f32>) -> BsdfSample<f32>) -> BsdfSample<f32>;
 
 /// Directions arrive from all angles above the surface, down to grazing ones.

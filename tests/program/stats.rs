@@ -84,6 +84,8 @@ fn bench_counts_frames_that_it_does_not_time() {
         assert_eq!(json!([stats["lanes"], stats["threads"]]), json!([result["lanes"], 1]));
         check_frames(stats, number(&stats["rays"]));
         assert_eq!(number(&stats["kinds"][0]["rays"]), 256.0 * number(&stats["frames"]));
+        let each = number(&stats["rays"]) / number(&stats["frames"]);
+        assert!((number(&result["rays_per_frame"]) / each - 1.0).abs() < 0.2, "{result}");
     }
     let same_scene = |a: &Value, b: &Value| a["scene"] == b["scene"];
     for engines in counted.chunk_by(same_scene) {

@@ -238,6 +238,13 @@ impl Engines {
 
     /// These, and in their place the options in `text`.
     fn with(&self, text: &str) -> Result<Self, CliError> {
+        if text.trim().is_empty() {
+            return Err(refuse(
+                "--against",
+                "\"\"",
+                "name the options that differ, as in \"--traversal single\"",
+            ));
+        }
         let command = clap::Command::new("bench").no_binary_name(true).disable_help_flag(true);
         let command = Self::augment_args(command).args_override_self(true);
         let words = format!("{} {text}", self.words());

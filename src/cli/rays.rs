@@ -142,8 +142,8 @@ impl Options {
             threads: self.threads(),
             ..RunSettings::of(Methods { traversal: self.traversal, ..Methods::default() })
         };
-        let camera = Some("scene").filter(|_| self.camera == CameraChoice::Scene);
-        run.with("camera", camera).with("passes", self.passes)
+        let camera = if self.camera == CameraChoice::Scene { "scene" } else { "overview" };
+        run.with("camera", Some(camera)).with("passes", self.passes)
     }
 }
 
@@ -151,6 +151,11 @@ impl Options {
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     terminal::warn_of_debug_build("rays SCENE");
     let out = Printer { json: options.json };
+    if options.ways().is_empty() {
+        let lanes: Vec<String> = options.lanes.iter().map(|choice| choice.lanes().to_string()).collect();
+        let mend = "the traversal of --traversal has no such width: leave out one of the two";
+        return Err(refuse("--lanes", lanes.join(","), mend));
+    }
     let scene = scenes::load_with_warnings(&options.scene, false)?;
     let baseline = options.baseline.as_deref().map(|file| {
         let text = fs::read_to_string(file).map_err(|error| format!("it cannot be read ({error})"));

@@ -141,7 +141,7 @@ impl Report {
                 "the time limit, too short for more than the first sample"
             }
             End::TimeLimit => "the time limit",
-            End::Interrupt => "Ctrl-C",
+            End::Interrupt => "Ctrl-C or a signal",
         };
         let errors = match (&self.estimated_error, self.target_error) {
             (Some(error), Some(target)) if error.rms.is_finite() => {

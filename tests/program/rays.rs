@@ -121,6 +121,7 @@ fn rays_measures_the_widths_asked_for() {
         [&[1][..], &[native], &[1, native]].map(|all| all.iter().copied().collect())
     );
     desk.refuses(&line(if native == 8 { "16" } else { "8" }), &["--lanes", "give auto"]);
+    desk.refuses(&line("1 --traversal packet"), &["--lanes", "no such width"]);
 }
 
 #[test]
@@ -160,7 +161,7 @@ fn rays_start_at_the_scenes_camera_on_request() {
     let share = std::f64::consts::PI / 24.0 / (2.0 * 20f64.to_radians().tan()).powi(2);
     assert!((seen as f64 / 1024.0 - share).abs() < 0.02, "{seen} hits, {share} of the pixels");
     let (default, overview) = hits("");
-    assert_eq!((camera, default), (json!("scene"), Value::Null));
+    assert_eq!((camera, default), (json!("scene"), json!("overview")));
     assert!(overview > seen + 50, "{overview} hits");
 }
 

@@ -162,7 +162,9 @@ fn against_times_two_configurations_in_alternation() {
     let engines = format!(" {NATIVE_WIDTH} lanes, 1 thread over scalar, 1 thread ");
     let differ = "Here over --lanes=1, frames per second in alternating rounds";
     assert!(said.contains(&engines) && said.contains(differ) && said.contains(", there 1."), "{said}");
-    for (wrong, word) in [("--traversal=singl", "'single'"), ("--json", "'--json'"), ("three", "'three'")] {
+    for (wrong, word) in
+        [("--traversal=singl", "'single'"), ("--json", "'--json'"), ("three", "'three'"), ("", "name the")]
+    {
         desk.refuses(&format!("{line} --against={wrong}"), &[&format!("--against \"{wrong}\": "), word]);
     }
 }

@@ -265,6 +265,8 @@ fn colours_of_every_type_have_the_scale_of_their_numbers() {
         ("ushort", "0 32896 65535", grey),
         ("uint", "0 2155905152 4294967295", grey),
         ("float", "0 128 255", grey),
+        // A little above white is no other scale.
+        ("float", "0 128 300", grey),
         ("double", "-1 0.5 1.5", 0.5),
     ] {
         let of = ["red", "green", "blue"].map(|channel| format!("property {name} {channel}\n")).concat();

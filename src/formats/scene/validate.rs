@@ -1,7 +1,7 @@
 //! From the native file to a [`Scene`], or an error that says where and how to mend it.
 
 use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, MAX_COPIES, SceneBuilder};
-use super::check::{fits, near};
+use super::check::{fits, is_near, near};
 use super::error::{MAX_FAULTS, SceneError};
 use super::faults::read_all;
 use super::files::Files;
@@ -25,7 +25,7 @@ use std::rc::Rc;
 /// that show.
 const NARROW: f64 = 1.0;
 /// The shortest distance to a point that the camera looks at, in distances from the camera to the origin.
-const LEAST_SIGHT: f64 = 1.0 / 2048.0;
+const LEAST_SIGHT: f64 = 0.5;
 /// The smallest size of a scene, in distances from its origin to its end: 1/16 of what its unit has room for.
 const LEAST_SIZE: f64 = 16.0 / MAX_COORDINATE;
 /// Most spheres of glass that are compared with each other, one by one.
@@ -201,7 +201,10 @@ pub fn camera_of(
     };
     let position = point("position", file.position)?;
     let look_at = match (own, position, file.look_at) {
-        (None, Some(position), Some(look_at)) => {
+        // A view keeps the point that it names, unless single precision does not hold it.
+        (own, Some(position), Some(look_at))
+            if own.is_none() || !is_near(scene.coordinates.to_scene(look_at.into())) =>
+        {
             place.key("look_at").vec3(look_at)?;
             Some(on_sight(position, scene.coordinates.to_scene(look_at.into()), scene))
         }

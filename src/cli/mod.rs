@@ -68,7 +68,8 @@ use std::process::ExitCode;
 /// automatically under a plain sky unless it has a camera); or a built-in scene (builtin:NAME). `octray
 /// inspect SCENE` shows what a scene contains.
 ///
-/// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C or a signal came before the end.
+/// Exit codes: 0 success; 1 a check failed; 2 the input cannot be used; 130 Ctrl-C or a signal came before
+/// the end.
 #[derive(Debug, Parser)]
 #[command(name = "octray", version, max_term_width = 110, after_help = after_help())]
 struct Args {

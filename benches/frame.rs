@@ -27,7 +27,7 @@ const EXPECTED: [Expected; 9] = [
     Expected { scene: "cornell", primary_hits: 32_400, rays: 200_964 },
     Expected { scene: "cornell-spheres", primary_hits: 32_400, rays: 204_688 },
     Expected { scene: "balls", primary_hits: 26_888, rays: 75_747 },
-    Expected { scene: "materials", primary_hits: 24_776, rays: 94_442 },
+    Expected { scene: "materials", primary_hits: 24_776, rays: 94_322 },
     Expected { scene: "chess", primary_hits: 32_400, rays: 46_589 },
     Expected { scene: "far", primary_hits: 15_282, rays: 56_336 },
 ];

@@ -25,14 +25,14 @@ pub fn keep_inputs<'a>(
     Ok(())
 }
 
-/// Are both the same file, there or not?
+/// Returns whether both are the same file, there or not.
 pub fn is_same(one: &Path, other: &Path) -> bool {
     place(one) == place(other)
 }
 
-/// What tells files apart. Of one that is there its number, which is the same by every link and, where the
-/// system ignores case, spelling; of another the canonical path, or the path itself where its folder does not
-/// exist.
+/// Returns a key that tells files apart. A file that exists has its number as key, which is the same by every
+/// link and, where the system ignores case, spelling. A new file has its canonical path, or the path itself
+/// where its folder does not exist.
 fn place(path: &Path) -> PathBuf {
     #[cfg(unix)]
     if let Ok(found) = path.metadata() {

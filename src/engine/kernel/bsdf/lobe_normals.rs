@@ -8,9 +8,9 @@ use crate::math::Vec3;
 /// The normals of a surface for its lobes, all on the side from which the ray arrives.
 #[derive(Clone, Copy, Debug)]
 pub struct LobeNormals<L: Lane> {
-    /// Of diffuse lobes.
+    /// The normal about which diffuse lobes scatter.
     pub diffuse: Vec3<L>,
-    /// Of all other lobes; it faces the ray.
+    /// The normal about which all other lobes scatter; it faces the ray.
     pub specular: Vec3<L>,
     /// `None` where no lane has a shading normal.
     pub horizon: Option<Horizon<L>>,

@@ -2,7 +2,7 @@
 
 use super::error::{CliError, checked, refuse};
 use super::frame::FrameOptions;
-use super::groups::lanes;
+use super::groups::{baseline, lanes};
 use super::interrupt;
 use super::numbers::{threads, whole};
 use super::scenes;
@@ -24,7 +24,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
-use std::{env, fs, iter};
+use std::{env, iter};
 
 /// Measuring time of a scene, all engines together; the eight built-in ones take half a minute, loading and
 /// comparing included.
@@ -115,7 +115,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let defaults = Options::parse_from(["bench"]).run_settings();
     let (mut failed, mut own) = (false, Vec::new());
     let scenes = scenes::checked(&options.scenes, bench_names())?;
-    let baseline = options.baseline.as_deref().map(baseline).transpose()?;
+    let baseline = options.baseline.as_deref().map(|file| baseline(file, Baseline::read)).transpose()?;
     // A program that cannot be used shows before anything is measured.
     let (program, probe) = (options.against_program.as_deref(), Instant::now());
     let other =
@@ -236,7 +236,7 @@ impl Engines {
         self.run_settings().options(&Options::parse_from(["bench"]).engines.run_settings())
     }
 
-    /// These, and in their place the options in `text`.
+    /// Returns these options, replaced by those in `text` where it has them.
     fn with(&self, text: &str) -> Result<Self, CliError> {
         if text.trim().is_empty() {
             return Err(refuse(
@@ -257,13 +257,6 @@ impl Engines {
             refuse("--against", format!("\"{text}\""), parts.join("\n"))
         })
     }
-}
-
-/// The report in this file.
-fn baseline(file: &Path) -> Result<Baseline, CliError> {
-    let refuse = |why: String| refuse("--baseline", file.display(), why);
-    let text = fs::read_to_string(file).map_err(|error| refuse(format!("it cannot be read ({error})")))?;
-    Baseline::read(&text).map_err(refuse)
 }
 
 /// The report of a program on a scene, with these options.

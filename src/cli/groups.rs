@@ -10,6 +10,14 @@ use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::fs;
+use std::path::Path;
+
+/// Reads the earlier report that `--baseline` names.
+pub fn baseline<T>(file: &Path, read: impl Fn(&str) -> Result<T, String>) -> Result<T, CliError> {
+    let text = fs::read_to_string(file).map_err(|error| format!("it cannot be read ({error})"));
+    text.and_then(|text| read(&text)).map_err(|why| refuse("--baseline", file.display(), why))
+}
 
 /// The help of an argument that is a scene.
 pub const SCENE: &str = "A scene (.json), a model (.obj, .gltf, .glb, .ply), or builtin:NAME";

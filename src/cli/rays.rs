@@ -1,7 +1,7 @@
 //! `octray rays`: rays per second, by kind of ray and traversal.
 
 use super::error::{CliError, refuse};
-use super::groups::{SCENE, choice, lanes, one_of};
+use super::groups::{SCENE, baseline, choice, lanes, one_of};
 use super::numbers::{seed, size, threads, whole};
 use super::outputs::keep_inputs;
 use super::ray_dump;
@@ -24,7 +24,6 @@ use clap::Parser;
 use clap::builder::TypedValueParser;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
-use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -157,11 +156,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         return Err(refuse("--lanes", lanes.join(","), mend));
     }
     let scene = scenes::load_with_warnings(&options.scene, false)?;
-    let baseline = options.baseline.as_deref().map(|file| {
-        let text = fs::read_to_string(file).map_err(|error| format!("it cannot be read ({error})"));
-        text.and_then(|text| Report::read(&text)).map_err(|why| refuse("--baseline", file.display(), why))
-    });
-    let baseline = baseline.transpose()?;
+    let baseline = options.baseline.as_deref().map(|file| baseline(file, Report::read)).transpose()?;
     let camera = match options.camera {
         CameraChoice::Scene => scene.camera,
         CameraChoice::Overview => scene.overview().ok_or_else(|| SceneError::no_overview(&scene))?,

@@ -200,13 +200,12 @@ pub fn camera_of(
         Ok(point.map(|point| point.as_vec3()))
     };
     let position = point("position", file.position)?;
-    let look_at = match (own, position, file.look_at) {
+    let sight = file.look_at.map(|look_at| scene.coordinates.to_scene(look_at.into()));
+    let look_at = match (position, file.look_at.zip(sight)) {
         // A view keeps the point that it names, unless single precision does not hold it.
-        (own, Some(position), Some(look_at))
-            if own.is_none() || !is_near(scene.coordinates.to_scene(look_at.into())) =>
-        {
+        (Some(position), Some((look_at, sight))) if own.is_none() || !is_near(sight) => {
             place.key("look_at").vec3(look_at)?;
-            Some(on_sight(position, scene.coordinates.to_scene(look_at.into()), scene))
+            Some(on_sight(position, sight, scene))
         }
         _ => point("look_at", file.look_at)?,
     };

@@ -5,10 +5,8 @@
 //! time, bit by bit.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use octray_engine::bvh::Trees;
 use octray_engine::math::MISS;
-use octray_engine::traverse::Traversal;
-use octray_engine::traverse::hierarchy::Hierarchy;
+use octray_engine::rays::{Structure, Traversal};
 use octray_formats::scene;
 use octray_laboratory::measure::ray_sets::{Answers, Kind, RaysWithHits};
 use octray_laboratory::measure::rays;
@@ -27,14 +25,16 @@ fn main() {
         .configure_from_args();
     let scene = scene::load(SCENE).expect("a scene inside the program");
 
+    let geometry = scene.geometry();
+
     let mut group = criterion.benchmark_group("build");
     group.throughput(Throughput::Elements(scene.triangles.len() as u64));
     group.bench_function("all-threads", |bencher| {
-        bencher.iter(|| Hierarchy::new(black_box(&scene), Trees::WideAndBinary))
+        bencher.iter(|| Structure::tree_for_all(black_box(&geometry)))
     });
     group.finish();
 
-    let structures = Accelerators::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+    let structures = Accelerators::new(&geometry, Structure::tree_for_all(&geometry));
     let pool = TracePool::new(1);
     let sets = rays::prepare(
         &scene,

@@ -1,16 +1,12 @@
 //! Finds what rays of one's own hit: `cargo run --release --example trace_rays`
 
-use octray_engine::bvh::Trees;
 use octray_engine::lane::INSTRUCTIONS;
-use octray_engine::math::MISS;
-use octray_engine::traverse::hierarchy::Hierarchy;
-use octray_engine::traverse::rays::{Hits, Rays};
-use octray_engine::traverse::{Tracer, Traversal};
+use octray_engine::rays::{Hits, MISS, Rays, Structure, Tracer};
 use octray_formats::scene::load;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = load("builtin:knot:20000")?;
-    let hierarchy = Hierarchy::new(&scene, Trees::Wide);
+    let structure = Structure::new(&scene.geometry());
 
     // A thousand parallel rays straight down, in columns, in the coordinates of the scene's file.
     const COUNT: usize = 1_000;
@@ -22,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut t, mut primitive) = (vec![f32::INFINITY; COUNT], vec![MISS; COUNT]);
     let (mut u, mut v) = (vec![0.0; COUNT], vec![0.0; COUNT]);
     let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-    Tracer::new().trace::<false>(Traversal::default(), &hierarchy, &rays, &mut hits, None);
+    Tracer::new().closest(&structure, &rays, &mut hits);
 
     let found = primitive.iter().filter(|&&primitive| primitive != MISS).count();
     let highest = t.iter().fold(f32::INFINITY, |nearest, &t| nearest.min(t));

@@ -13,11 +13,12 @@
 //! ```
 //!
 //! # Packages
-//! This crate is the program; it re-exports the modules of four packages. Each package imports only those
+//! This crate is the program; it re-exports the modules of five packages. Each package imports only those
 //! above it.
 //!
 //! | package | modules |
 //! |---|---|
+//! | [`rays`] (`octray-rays`) | the tracing core: closest hit and any hit of rays |
 //! | [`octray_engine`] | from a scene to a film: see its front page for the architecture |
 //! | [`octray_formats`] | [`scene`] files, [`output`] files, [`mod@checkpoint`] files, [`wording`] |
 //! | `octray_viewer` | `viewer` (feature `viewer`) |
@@ -87,7 +88,7 @@
 
 pub use octray_engine::{
     adaptive, buffers, bvh, camera, choice, diagnosis, display, film, integrate, kernel, lane, math,
-    path_vertex, render, sampling, threads, tone, traverse,
+    path_vertex, rays, render, sampling, threads, tone, traverse,
 };
 pub use octray_formats::{checkpoint, output, scene, wording};
 pub use octray_laboratory::{measure, methods, reference};

@@ -6,9 +6,9 @@ use crate::buffers::LightChoice;
 use crate::choice::Choice;
 use crate::lane::WIDTHS;
 use crate::render::LaneChoice;
+use crate::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fs;
 use std::path::Path;
@@ -88,12 +88,12 @@ impl MethodArgs {
     /// Refuses a traversal that stands here where one of `methods`, these or a view's, has no hierarchy.
     pub fn check(self, methods: &Methods) -> Result<(), CliError> {
         match (self.traversal, methods.without_hierarchy()) {
-            (Some(TraversalChoice::Through(traversal)), Some((option, method))) => {
+            (Some(choice @ TraversalChoice::Through(_)), Some((option, method))) => {
                 let instead = format!(
                     "{option} {method} has no hierarchy to traverse and tests every primitive: leave out one of \
                      the two, or give --traversal linear"
                 );
-                Err(refuse("--traversal", traversal.name(), instead))
+                Err(refuse("--traversal", choice.name(), instead))
             }
             _ => Ok(()),
         }
@@ -117,7 +117,6 @@ mod tests {
     use super::*;
     use crate::render::PipelineChoice;
     use crate::tone::Operator;
-    use crate::traverse::Traversal;
     use serde_json::json;
     use std::fmt::Debug;
 
@@ -140,7 +139,6 @@ mod tests {
     fn every_choice_is_read_from_its_name_and_from_no_other() {
         check::<SphereChoice>();
         check::<TriangleChoice>();
-        check::<Traversal>();
         check::<TraversalChoice>();
         check::<LightChoice>();
         check::<Sampler>();

@@ -5,10 +5,10 @@ use super::terminal::Printer;
 use crate::buffers::LightChoice;
 use crate::choice::Choice;
 use crate::render::{LaneChoice, PipelineChoice};
+use crate::render::{SphereChoice, TraversalChoice, TriangleChoice};
 use crate::report::text::item;
 use crate::sampling::Sampler;
 use crate::tone::Operator;
-use crate::traverse::{SphereChoice, TraversalChoice, TriangleChoice};
 use serde_json::{Value, json};
 use std::process::ExitCode;
 

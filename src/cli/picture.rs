@@ -3,11 +3,11 @@
 use super::groups::{METHODS, MethodArgs, choice, lanes, one_of};
 use super::numbers::{clamp, exposure, seed, size, threads, whole};
 use crate::machine;
+use crate::render::Methods;
 use crate::render::{LaneChoice, PipelineChoice, Settings};
 use crate::report::settings::RunSettings;
 use crate::scene::{Loaded, MAX_BOUNCES, Rendering};
 use crate::tone::{Operator, Tone};
-use crate::traverse::Methods;
 
 /// Without an option, a view has its own value; without a view, the scene.
 #[derive(Clone, Copy, Debug, clap::Args)]

@@ -7,18 +7,17 @@ use super::outputs::keep_inputs;
 use super::ray_dump;
 use super::scenes;
 use super::terminal::{self, Printer};
-use crate::bvh::check::check_scene;
 use crate::lane::NATIVE_WIDTH;
 use crate::machine;
 use crate::measure::rays;
 use crate::measure::trace::{Accelerators, TraceMethod, TracePool};
 use crate::output;
 use crate::render::LaneChoice;
+use crate::render::{Methods, TraversalChoice};
 use crate::report::rays::{Report, heading, meaning, over_baseline, rows, warning};
 use crate::report::settings::RunSettings;
 use crate::report::stats;
 use crate::scene::SceneError;
-use crate::traverse::{Methods, TraversalChoice};
 use crate::wording::grouped;
 use clap::Parser;
 use clap::builder::TypedValueParser;
@@ -169,8 +168,9 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let threads = options.threads();
     let mut building = vec![1];
     building.extend(threads.iter().filter(|&&threads| threads > 1));
-    let (hierarchy, builds) = rays::build(&scene, &building, FEWEST_BUILDS);
-    let tree = check_scene(&hierarchy.bvh, &scene);
+    let geometry = scene.geometry();
+    let (hierarchy, builds) = rays::build(&geometry, &building, FEWEST_BUILDS);
+    let tree = hierarchy.check(&geometry).expect("a hierarchy");
     let mut report = Report::new(options.run_settings(), &scene, builds, hierarchy.bytes(), tree);
     report.stats = options.stats.then(Vec::new);
     // Without --lanes, the widths follow from the traversals.
@@ -180,7 +180,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     }
     out.text(&heading(&report, &defaults))?;
 
-    let structures = Accelerators::new(&scene, hierarchy);
+    let structures = Accelerators::new(&geometry, hierarchy);
     let pools: Vec<TracePool> = threads.into_iter().map(TracePool::new).collect();
     let largest = pools.iter().max_by_key(|pool| pool.threads()).expect("there is a pool");
     let sets = rays::prepare(&scene, &camera, &structures, largest, options.size, options.seed);

@@ -221,8 +221,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::TriangleChoice;
     use crate::scene::{Rendering, View, load_with_view};
-    use crate::traverse::TriangleChoice;
     use clap::Parser;
 
     fn viewer(options: &[&str], first: &Loaded) -> viewer::Options {

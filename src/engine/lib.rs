@@ -19,27 +19,21 @@
 //! compresses them to those that are alive. After two events the paths of several tiles go on together.
 //! Between packets and film stand the [`kernel`]s: equations over lanes.
 //!
-//! # Compile for the processor
-//! A package is compiled for the least processor of its target, on x86-64 for SSE2, and then this one runs at
-//! half the speed or less. Put `rustflags = ["-C", "target-cpu=native"]` under `[build]` into
-//! `.cargo/config.toml` of your package; [`lane::INSTRUCTIONS`] says what was compiled for.
+//! Compile for the processor: see the front page of [`rays`].
 //!
 //! # Modules
 //! Each imports only from those above it.
 //!
 //! | module | idea |
 //! |---|---|
-//! | [`lane`] | width as a type: `f32`, `F32x8`, `F32x16` behind one trait; elementary functions |
-//! | [`math`] | vectors, rays and hits of lanes; bounds of rounding error |
+//! | [`rays`] | the package `octray-rays`: closest hit and any hit of rays, over lanes; its modules [`lane`], [`math`], [`bvh`] and [`traverse`] have short paths here |
 //! | [`mod@choice`] | named alternatives, shared by the command line, view files and reports |
 //! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
-//! | [`kernel`] | intersection, BSDFs, light sampling, texture lookups: several methods side by side |
+//! | [`kernel`] | BSDFs, light sampling, texture lookups |
 //! | [`scene`] | what a scene is |
 //! | [`path_vertex`] | the vertices of one path as data |
 //! | [`buffers`] | the scene flattened; the features it uses |
-//! | [`bvh`] | the bounding volume hierarchy: built and checked |
 //! | [`camera`] | raster space to primary rays |
-//! | [`traverse`] | closest hit and any hit |
 //! | [`integrate`] | the path estimator, as stages over queues |
 //! | [`threads`] | worker threads, each with its own working memory |
 //! | [`film`], [`adaptive`] | sums of samples; when a block of pixels has enough of them |
@@ -58,15 +52,13 @@
 //! - **Conservative culling.** Whatever skips a test gives the same hit as testing every primitive.
 //! - **Kernels are pure.** Values in, (mask, values) out: they allocate nothing, look nothing up and never
 //!   panic.
-//! - **Safe.** `wide` and `bytemuck` contain what is needed, but for a few instructions: `lane` has the
-//!   only `unsafe` blocks.
+//! - **Safe.** Only `lane` of [`rays`] has `unsafe` blocks, for a few instructions.
 
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod adaptive;
 pub mod buffers;
-pub mod bvh;
 pub mod camera;
 pub mod choice;
 pub mod diagnosis;
@@ -74,13 +66,12 @@ pub mod display;
 pub mod film;
 pub mod integrate;
 pub mod kernel;
-pub mod lane;
 pub mod light_sampling;
-pub mod math;
 pub mod path_vertex;
 pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod threads;
 pub mod tone;
-pub mod traverse;
+
+pub use octray_rays::{self as rays, bvh, lane, math, traverse};

@@ -36,7 +36,7 @@
 
 // The engine's modules under the paths that they have in the program: `crate::film`, `crate::scene`.
 use octray_engine::{
-    adaptive, buffers, bvh, camera, display, film, integrate, kernel, lane, math, path_vertex, render,
+    adaptive, buffers, camera, display, film, integrate, kernel, lane, math, path_vertex, rays, render,
     sampling, scene, threads, tone, traverse,
 };
 

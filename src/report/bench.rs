@@ -343,7 +343,7 @@ mod tests {
     use super::*;
     use crate::measure::compare::ReferenceCheck;
     use crate::measure::cores::Reliability;
-    use crate::traverse::Methods;
+    use crate::render::Methods;
 
     fn reliability(taken: f64) -> Reliability {
         Reliability { reliable: taken <= 0.05, pinned: true, taken: Some(taken) }

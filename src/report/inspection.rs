@@ -4,10 +4,10 @@ use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
 use super::numbers::bytes;
 use super::text::item;
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
+use crate::render::features_of;
 use crate::scene::{
     Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, View, point_in_file,
 };
-use crate::traverse::features_of;
 use crate::wording::{counted, grouped};
 use glam::Vec3;
 use serde::{Serialize, Serializer};

@@ -3,14 +3,15 @@
 
 use super::numbers::{bytes, figure};
 use crate::buffers::Features;
-use crate::bvh::check::{Statistics, check_scene};
+use crate::bvh::check::Statistics;
 use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
 use crate::measure::trace::TraceMethod;
 use crate::render::LaneChoice;
+use crate::render::{Methods, features_of};
 use crate::scene::Scene;
-use crate::traverse::{MAX_LIST_COST, Methods, TRIANGLE_COST, features_of, list_cost};
+use crate::traverse::{MAX_LIST_COST, TRIANGLE_COST, list_cost};
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
@@ -50,7 +51,7 @@ impl TraversalReport {
             // The same for all rays: a traversal itself finds out which rays are coherent.
             primary: traversal,
             bounces: traversal,
-            linear_cost: list_cost(scene),
+            linear_cost: list_cost(scene.spheres.len(), scene.triangles.len()),
             most_linear_cost: MAX_LIST_COST,
         }
     }
@@ -82,8 +83,9 @@ impl TraversalReport {
 impl HierarchyReport {
     /// Builds it on all cores, and checks it.
     pub fn of(scene: &Scene) -> Self {
-        let (hierarchy, mut builds) = rays::build(scene, &[machine::cores()], 1);
-        let tree = check_scene(&hierarchy.bvh, scene);
+        let geometry = scene.geometry();
+        let (hierarchy, mut builds) = rays::build(&geometry, &[machine::cores()], 1);
+        let tree = hierarchy.check(&geometry).expect("a hierarchy");
         let bytes = hierarchy.bytes();
         Self {
             build: builds.remove(0),

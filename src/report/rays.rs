@@ -10,6 +10,7 @@ use crate::measure::cores::Reliability;
 use crate::measure::rays::{BuildTime, Measurement};
 use crate::measure::stats::RayStats;
 use crate::measure::timed::Ratio;
+use crate::render::TraversalChoice;
 use crate::scene::Scene;
 use crate::traverse::Traversal;
 use crate::wording::{counted, grouped};
@@ -21,7 +22,7 @@ const SCHEMA: &str = "octray-rays-1";
 /// What names a row of the results.
 const KEYS: [&str; 4] = ["kind", "traversal", "lanes", "threads"];
 /// The traversal with which the others are compared.
-const SCALAR: &str = Traversal::Scalar.name();
+const SCALAR: &str = TraversalChoice::Through(Traversal::Scalar).name();
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
@@ -271,12 +272,13 @@ mod tests {
     use super::*;
     use crate::measure::rays::{measure, prepare};
     use crate::measure::trace::{Accelerators, TraceMethod, TracePool};
-    use crate::traverse::{Methods, hierarchy::Hierarchy};
+    use crate::render::Methods;
 
     #[test]
     fn a_ray_whose_hit_differs_and_an_invalid_hierarchy_are_failures() {
         let scene = crate::scene::load("builtin:three").unwrap();
-        let structures = Accelerators::new(&scene, Hierarchy::new(&scene, crate::bvh::Trees::WideAndBinary));
+        let structures =
+            Accelerators::new(&scene.geometry(), crate::rays::Structure::tree_for_all(&scene.geometry()));
         let (pools, methods) = ([TracePool::new(1)], TraceMethod::all().collect::<Vec<_>>());
         let mut rays =
             prepare(&scene, &scene.overview().unwrap(), &structures, &pools[0], [8, 8], 0).remove(0);

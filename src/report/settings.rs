@@ -4,10 +4,10 @@
 use super::text::paragraph;
 use crate::buffers::LightChoice;
 use crate::machine::Machine;
+use crate::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::render::{PipelineChoice, Settings};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::wording::counted;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};

@@ -4,8 +4,8 @@ use super::display_mode::DisplayMode;
 use super::options::Options;
 use octray_engine::choice::Choice;
 use octray_engine::render::{LaneChoice, Settings};
+use octray_engine::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use octray_engine::tone::Tone;
-use octray_engine::traverse::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use octray_formats::scene::{Loaded, MAX_BOUNCES, MAX_SIDE};
 use std::iter;
 

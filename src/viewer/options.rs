@@ -1,8 +1,8 @@
 //! What the viewer starts with.
 
+use octray_engine::render::Methods;
 use octray_engine::render::{LaneChoice, PipelineChoice};
 use octray_engine::tone::Tone;
-use octray_engine::traverse::Methods;
 use octray_formats::scene::Loaded;
 use std::path::PathBuf;
 use std::sync::Arc;

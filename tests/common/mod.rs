@@ -13,6 +13,7 @@ pub use octray::kernel::{ray_sphere::SphereMethod, ray_triangle::TriangleMethod}
 pub use octray::lane::{Bits, F32x8, F32x16, Lane, Mask, NATIVE_WIDTH, WIDTHS};
 pub use octray::math::{self, MISS, Ray};
 pub use octray::reference::{PathSettings, Reference};
+pub use octray::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 pub use octray::render::{PipelineChoice, Renderer, Settings};
 pub use octray::sampling::Sampler;
 pub use octray::scene::MaterialKind::{
@@ -22,7 +23,7 @@ pub use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
 };
 pub use octray::tone::Tone;
-pub use octray::traverse::{List, Methods, SphereChoice, TraversalChoice, TriangleChoice};
+pub use octray::traverse::List;
 pub use octray::traverse::{Traversal, hierarchy::Hierarchy};
 
 // The numbers and rays of `octray stability`.

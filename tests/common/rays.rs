@@ -5,7 +5,7 @@ use octray::traverse::Tracer;
 use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::stack::Stack;
 use octray::traverse::tile::{self, Packets};
-use octray::traverse::{Layout, PrimitiveList};
+use octray::traverse::{Candidates, Layout};
 
 /// t, primitive, u and v of each ray, as bits.
 pub type Answers = Vec<[u32; 4]>;
@@ -69,7 +69,7 @@ impl Set {
         hierarchy: &Hierarchy,
         traversal: Traversal,
     ) -> Answers {
-        self.with_hits(|hits| tracer.trace_in_scene::<ANY>(traversal, hierarchy, &self.rays(), hits, None)).1
+        self.with_hits(|hits| tracer.trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
     }
     /// Are the first rays, a tile at most, ones for which there is a frustum?
     pub fn goes_in_a_frustum(&self, hierarchy: &Hierarchy) -> bool {
@@ -91,7 +91,7 @@ impl Set {
     }
     /// What is nearest of every primitive, or of every one that is listed, before the rays end; whatever they
     /// have hit before.
-    pub fn nearest<L: Lane>(&self, list: &List, listed: Option<&PrimitiveList>) -> Answers {
+    pub fn nearest<L: Lane>(&self, list: &List, listed: Option<&Candidates>) -> Answers {
         let count = self.len().next_multiple_of(L::WIDTH);
         let padded = |column: &[f32]| -> Vec<f32> {
             let last = column.last().copied().into_iter().cycle();
@@ -113,7 +113,7 @@ impl Set {
     /// Every primitive tested in order: at any width the same, see `tests/laws/traversal_laws.rs`.
     pub fn linear(&self, scene: &Scene) -> Answers {
         let endless = Self { t_max: vec![f32::INFINITY; self.len()], ..self.clone() };
-        let nearest = endless.nearest::<F32x8>(&List::new(scene, Methods::default()), None);
+        let nearest = endless.nearest::<F32x8>(&List::new(&scene.geometry(), Default::default()), None);
         let before = self.with_hits(|_| ()).1;
         let answer = |at: usize| {
             let [t, primitive, ..] = nearest[at];
@@ -131,7 +131,7 @@ impl Set {
     pub fn check(&self, scene: &Scene, what: &str) -> usize {
         let expected = self.linear(scene);
         for layout in [Layout::Full, Layout::Compact] {
-            let hierarchy = Hierarchy::in_layout(scene, Trees::WideAndBinary, Some(layout));
+            let hierarchy = Hierarchy::in_layout(&scene.geometry(), Trees::WideAndBinary, Some(layout));
             self.check_in(&hierarchy, &expected, &format!("{what}, {layout:?}"));
         }
         expected.iter().filter(|answer| answer[1] != MISS).count()
@@ -139,7 +139,7 @@ impl Set {
     fn check_in(&self, hierarchy: &Hierarchy, expected: &Answers, what: &str) {
         let mut tracer = Tracer::new();
         for traversal in Traversal::ALL {
-            let name = traversal.name();
+            let name = TraversalChoice::Through(traversal).name();
             let found = self.through_by::<false>(&mut tracer, hierarchy, traversal);
             for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
                 let ray = self.rays().packet::<f32>(at);

@@ -1,10 +1,10 @@
 //! A viewer without a window: the test is its front end.
 #![allow(dead_code)] // Every test file takes its own part.
 
+use octray::render::Methods;
 use octray::render::{LaneChoice, PipelineChoice};
 use octray::scene::Loaded;
 use octray::tone::Tone;
-use octray::traverse::Methods;
 use octray::viewer::frame::Frame;
 use octray::viewer::keys::Key;
 use octray::viewer::playlist::Playlist;

@@ -9,10 +9,10 @@
 
 use octray_engine::buffers::LightChoice;
 use octray_engine::lane::{FUSED, WIDTHS};
+use octray_engine::render::Methods;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::sampling::Sampler;
 use octray_engine::scene::Scene;
-use octray_engine::traverse::Methods;
 use octray_formats::scene::load;
 use std::path::Path;
 use std::thread;

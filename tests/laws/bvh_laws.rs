@@ -3,7 +3,7 @@
 //! and where builders fail.
 
 use crate::common::*;
-use octray::bvh::check::{Statistics, check, check_scene};
+use octray::bvh::check::{Statistics, check, check_geometry};
 use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, WIDE, WideNode};
 use octray::kernel::ray_box::sphere_bounds;
 use octray::kernel::surface::triangle_bounds;
@@ -18,7 +18,7 @@ fn valid(spheres: usize, boxes: &[Bounds]) -> Statistics {
 }
 
 fn valid_scene(scene: &Scene) -> Statistics {
-    check_scene(&Bvh::new(scene, Trees::WideAndBinary), scene).unwrap()
+    check_geometry(&Bvh::new(&scene.geometry(), Trees::WideAndBinary), &scene.geometry()).unwrap()
 }
 
 fn at(point: DVec3, size: f64) -> Bounds {
@@ -158,7 +158,7 @@ fn threads_do_not_change_a_bit() {
         let mut first: Option<Vec<Vec<u32>>> = None;
         for threads in [1, 2, 3, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let bvh = pool.install(|| Bvh::new(scene, Trees::WideAndBinary));
+            let bvh = pool.install(|| Bvh::new(&scene.geometry(), Trees::WideAndBinary));
             let leaves =
                 |leaves: &[octray::bvh::Leaf]| leaves.iter().flat_map(|leaf| leaf.primitives).collect();
             let bits = vec![
@@ -176,13 +176,13 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn the_wide_tree_is_the_same_without_the_binary_one() {
     let scene = crowd(&mut Rng(7), 300, 700);
-    let [both, wide] = [Trees::WideAndBinary, Trees::Wide].map(|trees| Bvh::new(&scene, trees));
+    let [both, wide] = [Trees::WideAndBinary, Trees::Wide].map(|trees| Bvh::new(&scene.geometry(), trees));
     assert!(!both.binary.is_empty() && wide.binary.is_empty());
     let bits = |bvh: &Bvh| bytemuck::cast_slice::<_, u32>(&bvh.wide).to_vec();
     assert!(bits(&both) == bits(&wide) && both.bounds == wide.bounds);
     assert!(both.triangle_leaves == wide.triangle_leaves && both.quadric_leaves == wide.quadric_leaves);
     assert!(both.bytes() > wide.bytes());
-    let statistics = check_scene(&wide, &scene).unwrap();
+    let statistics = check_geometry(&wide, &scene.geometry()).unwrap();
     assert_eq!((statistics.binary_nodes, statistics.binary_depth), (0, 0));
 }
 

@@ -64,7 +64,7 @@ impl Along {
 
 /// Asserts the law where a tile goes in a frustum; returns how many rays hit something.
 fn check(set: &Set, scene: &Scene, what: &str) -> usize {
-    assert!(set.goes_in_a_frustum(&Hierarchy::new(scene, Trees::WideAndBinary)), "{what}");
+    assert!(set.goes_in_a_frustum(&Hierarchy::new(&scene.geometry(), Trees::WideAndBinary)), "{what}");
     set.check(scene, what)
 }
 

@@ -37,7 +37,7 @@ impl View {
 }
 
 fn hierarchy(scene: &Scene) -> Hierarchy {
-    Hierarchy::new(scene, Trees::WideAndBinary)
+    Hierarchy::new(&scene.geometry(), Trees::WideAndBinary)
 }
 
 /// Gives one ray of a set another origin or direction.
@@ -241,7 +241,7 @@ fn rays_without_finite_slopes_harm_no_other() {
                 for traversal in Traversal::ALL {
                     let found = set.through::<false>(&hierarchy, traversal);
                     for at in (0..TILE).filter(|&at| at != place) {
-                        let name = traversal.name();
+                        let name = TraversalChoice::Through(traversal).name();
                         assert_eq!(found[at], expected[at], "{name}: ray {at}, {direction} at {place}");
                     }
                 }

@@ -126,7 +126,8 @@ fn rays_that_are_none_miss_and_a_hit_at_the_reach_is_none() {
 #[test]
 fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let scene = mixture(&mut Rng(16), 40, 20, 0.0, 0.0);
-    let structures = Accelerators::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+    let structures =
+        Accelerators::new(&scene.geometry(), octray::rays::Structure::tree_for_all(&scene.geometry()));
     let mut rng = Rng(17);
     let pixels: Vec<[u32; 2]> = (0..48 * 32).map(|i| [i % 48, i / 48]).collect();
     let camera = octray::camera::Pinhole::new(&scene.camera, [48, 32]);
@@ -168,7 +169,7 @@ fn without_padding_hits_are_lost_at_corners() {
         let origin = target + rng.in_cube().as_vec3() * 8.0;
         set.push(origin, (target - origin).normalize_or(Vec3::X), f32::INFINITY);
     }
-    let mut hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
+    let mut hierarchy = Hierarchy::new(&scene.geometry(), Trees::WideAndBinary);
     let found = |hierarchy: &Hierarchy| {
         let answers = set.through::<false>(hierarchy, Traversal::Hybrid);
         answers.iter().filter(|answer| answer[1] != MISS).count()

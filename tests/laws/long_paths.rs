@@ -7,7 +7,6 @@ use octray::buffers::Buffers;
 use octray::camera::{Pinhole, Tile};
 use octray::integrate::{Scratch, TraceContext, pipeline_for};
 use octray::scene::MAX_BOUNCES;
-use octray::traverse::Primitives;
 
 /// What the robust sphere test asks of a direction, and what the estimator promises.
 const DOMAIN: f64 = 1e-5;
@@ -39,7 +38,7 @@ fn sign(bit: usize) -> f32 {
 fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
     let context = TraceContext {
         buffers: Buffers::new(scene),
-        primitives: Primitives::new(scene, Methods::default(), 8, &Lights::default()),
+        structure: Methods::default().structure(scene, &scene.geometry(), 8, &Lights::default()),
         camera: Pinhole::new(&scene.camera, [16, 16]),
         visible: Vec::new(),
         width: 16,

@@ -3,7 +3,7 @@
 
 use crate::common::*;
 use glam::DMat3;
-use octray::traverse::Occluders;
+use octray::traverse::Candidates;
 
 const DIFFUSE: u32 = 0;
 const LAMP: u32 = 1;
@@ -92,10 +92,10 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
         let mut rng = Rng::of("occluders", [seed, 0]);
         let scene = room(&mut rng);
         let lights = Lights::new(&scene, LightChoice::On);
-        let Some(Occluders { list, .. }) = Occluders::of(&scene, &lights, None) else { continue };
+        let Some(list) = occluders(&scene, &lights) else { continue };
         let spheres = scene.spheres.len();
         let count = spheres + scene.triangles.len();
-        let listed: Vec<usize> = (list.quadrics.iter().map(|&index| index as usize))
+        let listed: Vec<usize> = (list.spheres.iter().map(|&index| index as usize))
             .chain(list.triangles.iter().map(|&index| spheres + index as usize))
             .collect();
         (rooms, left_out) = (rooms + 1, left_out + count - listed.len());
@@ -122,10 +122,15 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
     assert!(occluded > 20_000, "{occluded}");
 }
 
+/// Returns the primitives that shadow rays to these lights are tested against, if not all.
+fn occluders(scene: &Scene, lights: &Lights) -> Option<Candidates> {
+    Methods::default().structure(scene, &scene.geometry(), 8, lights).occluders().cloned()
+}
+
 /// Indices of the spheres and triangles that can occlude a light; all if none is left out.
 fn listed(scene: &Scene) -> Option<[Vec<u32>; 2]> {
     let lights = Lights::new(scene, LightChoice::On);
-    Occluders::of(scene, &lights, None).map(|found| [found.list.quadrics, found.list.triangles])
+    occluders(scene, &lights).map(|found| [found.spheres, found.triangles])
 }
 
 #[test]

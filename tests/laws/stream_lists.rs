@@ -30,7 +30,7 @@ fn lists_grow_when_every_ray_passes_every_box() {
     let counts = [8191, 8185];
     for (scene, count) in [triangles(), spheres()].iter().flat_map(|scene| counts.map(|count| (scene, count)))
     {
-        let hierarchy = Hierarchy::new(scene, Trees::Wide);
+        let hierarchy = Hierarchy::new(&scene.geometry(), Trees::Wide);
         let mut set = Set::default();
         for _ in 0..count {
             let aim = vec3(rng.unit() as f32, rng.unit() as f32, 10.0);
@@ -40,7 +40,7 @@ fn lists_grow_when_every_ray_passes_every_box() {
         let expected = set.linear(scene);
         assert!(expected.iter().all(|answer| answer[1] != MISS));
         for traversal in [Traversal::Stream, Traversal::Hybrid] {
-            let name = traversal.name();
+            let name = TraversalChoice::Through(traversal).name();
             assert!(set.through::<false>(&hierarchy, traversal) == expected, "{count} rays, {name}");
             let any = set.through::<true>(&hierarchy, traversal);
             assert!(any.iter().all(|answer| answer[1] != MISS), "{count} rays, any hit, {name}");
@@ -57,7 +57,7 @@ fn any_hit_rays_of_a_whole_batch_reach_two_leaves() {
     let z = scene.triangles.len() as f32 * 2e-4;
     let corners = [vec3(90.0, 90.0, z), vec3(-90.0, 90.0, z), vec3(90.0, -90.0, z)];
     scene.triangles.push(triangle(corners, 0));
-    let hierarchy = Hierarchy::new(&scene, Trees::WideAndBinary);
+    let hierarchy = Hierarchy::new(&scene.geometry(), Trees::WideAndBinary);
     assert_eq!(hierarchy.bvh.wide[0].filled(), 2);
     let mut rng = Rng(96);
     let mut set = Set::default();
@@ -72,6 +72,11 @@ fn any_hit_rays_of_a_whole_batch_reach_two_leaves() {
     let missed = expected.iter().filter(|&&missed| missed).count();
     assert!((500..4000).contains(&missed), "{missed}");
     for traversal in [Traversal::Stream, Traversal::Hybrid] {
-        assert_eq!(misses(&set.through::<true>(&hierarchy, traversal)), expected, "{}", traversal.name());
+        assert_eq!(
+            misses(&set.through::<true>(&hierarchy, traversal)),
+            expected,
+            "{}",
+            TraversalChoice::Through(traversal).name()
+        );
     }
 }

@@ -8,8 +8,8 @@ use crate::common::rays::Set;
 use crate::common::*;
 use octray::kernel::ray_sphere::{self};
 use octray::kernel::ray_triangle::{self};
+use octray::rays::{Structure, Tracer};
 use octray::scene::Coordinates;
-use octray::traverse::Tracer;
 use octray::traverse::rays::{Hits, Rays};
 
 /// A hit's bits: t, primitive, u, v.
@@ -42,7 +42,7 @@ fn oracle<S: SphereMethod, T: TriangleMethod>(scene: &Scene, ray: &Ray<f32>) -> 
 }
 
 fn traversed<L: Lane>(scene: &Scene, methods: Methods, rays: &[Ray<f32>]) -> Vec<Answer> {
-    Set::of(rays).nearest::<L>(&List::new(scene, methods), None)
+    Set::of(rays).nearest::<L>(&List::new(&scene.geometry(), methods.tests()), None)
 }
 
 /// Asserts the law for one choice of equations; returns the answers.
@@ -189,7 +189,7 @@ fn traversal_equals_every_primitive_one_by_one_for_directions_of_no_length() {
 #[test]
 fn hits_count_before_the_end_of_a_ray() {
     fn check<L: Lane>(scene: &Scene, set: &Set, triangle: TriangleChoice) -> usize {
-        let list = List::new(scene, Methods { triangle, ..Methods::default() });
+        let list = List::new(&scene.geometry(), Methods { triangle, ..Methods::default() }.tests());
         let endless = set.nearest::<L>(&list, None);
         let mut ended = 0;
         for (end, counts) in [
@@ -241,9 +241,10 @@ fn rays_of_ones_own_are_in_the_files_coordinates_and_end_where_they_say() {
     let floor = triangle([place(-90.0, 0.0, 90.0), place(90.0, 0.0, 90.0), place(0.0, 0.0, -90.0)], 0);
     let ball = sphere(place(3.0, 1.0, 0.0), 0.25, 0);
     let scene = Scene { coordinates, spheres: vec![ball], triangles: vec![floor], ..diffuse() };
-    let (hierarchy, endless) = (Hierarchy::new(&scene, Trees::Wide), f32::INFINITY);
+    let (geometry, endless) = (scene.geometry(), f32::INFINITY);
     for (traversal, length) in Traversal::ALL.into_iter().flat_map(|one| [1.0, 0.01, 40.0].map(|l| (one, l)))
     {
+        let structure = Structure::tree(&geometry, traversal);
         // Down from y = 5: to the floor, to the ball, not so far as either, no further, and nowhere.
         let x = [0.0, 3.0, 0.0, 3.0, 0.0, 0.0];
         let (y, zeros, down) = ([5.0; 6], [0.0; 6], [-length, -length, -length, -length, -length, 0.0]);
@@ -257,8 +258,8 @@ fn rays_of_ones_own_are_in_the_files_coordinates_and_end_where_they_say() {
             let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
             let rays = Rays::new([&x, &y, &zeros], [&zeros, &down, &zeros]).until(&t_max);
             match any {
-                true => Tracer::new().trace::<true>(traversal, &hierarchy, &rays, &mut hits, None),
-                false => Tracer::new().trace::<false>(traversal, &hierarchy, &rays, &mut hits, None),
+                true => Tracer::new().occluded(&structure, &rays, &mut hits),
+                false => Tracer::new().closest(&structure, &rays, &mut hits),
             }
             for (at, (expected, number)) in expected.into_iter().enumerate() {
                 let what = format!(

@@ -4,7 +4,7 @@ use crate::common::rays::Set;
 use crate::common::*;
 use octray::camera::Pinhole;
 use octray::sampling::random::mix_bits;
-use octray::traverse::PrimitiveList;
+use octray::traverse::Candidates;
 
 const RESOLUTION: [u32; 2] = [64, 48];
 const TILE: u32 = 8;
@@ -45,17 +45,18 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
     {
         let camera = Camera { position, look_at: position + towards, up: vec3(0.1, 1.0, 0.2), vertical_fov };
         let scene = scene(seed, camera);
-        let list = List::new(&scene, Methods::default());
+        let list = List::new(&scene.geometry(), Default::default());
         let camera = Pinhole::new(&scene.camera, RESOLUTION);
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
         {
-            let visible = PrimitiveList::of(&scene, &camera.view_frustum([x, y], [TILE, TILE]));
-            let listed = visible.quadrics.len() + visible.triangles.len();
+            let visible =
+                Candidates::in_frustum(&scene.geometry(), &camera.view_frustum([x, y], [TILE, TILE]));
+            let listed = visible.spheres.len() + visible.triangles.len();
             skipped += 120 - listed;
             empty_lists += usize::from(listed == 0);
             let rays = primary_rays(&camera, [x, y]);
-            let trace = |visible: Option<&PrimitiveList>| rays.nearest::<F32x8>(&list, visible);
+            let trace = |visible: Option<&Candidates>| rays.nearest::<F32x8>(&list, visible);
             let everything = trace(None);
             assert_eq!(trace(Some(&visible)), everything, "seed {seed}, tile at ({x}, {y})");
             found += everything.iter().filter(|hit| hit[1] != octray::math::MISS).count();
@@ -110,9 +111,9 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     }
     let rays = Set::of(&edges.into_iter().flatten().collect::<Vec<Ray<f32>>>());
     [specks, beside].map(|scene| {
-        let visible = PrimitiveList::of(&scene, &camera.view_frustum(corner, [TILE, TILE]));
-        let list = List::new(&scene, Methods::default());
-        let trace = |visible: Option<&PrimitiveList>| rays.nearest::<f32>(&list, visible);
+        let visible = Candidates::in_frustum(&scene.geometry(), &camera.view_frustum(corner, [TILE, TILE]));
+        let list = List::new(&scene.geometry(), Default::default());
+        let trace = |visible: Option<&Candidates>| rays.nearest::<f32>(&list, visible);
         let everything = trace(None);
         assert_eq!(trace(Some(&visible)), everything, "{view:?}, tile at {corner:?}");
         everything.iter().filter(|&&[_, primitive, ..]| primitive != octray::math::MISS).count()
@@ -183,5 +184,5 @@ fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
     scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];
     scene.triangles.clear();
     let frustum = Pinhole::new(&camera, RESOLUTION).view_frustum([28, 20], [TILE, TILE]);
-    assert_eq!(PrimitiveList::of(&scene, &frustum).quadrics, [0, 2, 3]);
+    assert_eq!(Candidates::in_frustum(&scene.geometry(), &frustum).spheres, [0, 2, 3]);
 }

@@ -171,7 +171,7 @@ fn find_leaks(rays: usize) {
         assert_closed(mesh.name, &mesh.triangles);
         let start = Instant::now();
         let [hierarchy, compact] = [Layout::Full, Layout::Compact]
-            .map(|layout| Hierarchy::in_layout(&mesh.scene(), Trees::WideAndBinary, Some(layout)));
+            .map(|layout| Hierarchy::in_layout(&mesh.scene().geometry(), Trees::WideAndBinary, Some(layout)));
         let count = mesh.triangles.len() as u32;
         (0..batches).into_par_iter().for_each(|batch| {
             let set = mesh.rays(&mut Rng(0x9e37_79b9_7f4a_7c15 ^ (batch as u64 + 1)), BATCH);
@@ -187,7 +187,13 @@ fn find_leaks(rays: usize) {
                     let leaking: Vec<usize> = (0..set.len()).filter(|&at| leaks(&found[at])).collect();
                     let ray = leaking.first().map(|&at| set.rays().packet::<f32>(at));
                     let number = leaking.len();
-                    assert_eq!(number, 0, "{}, {}, any {any}: {ray:?}", mesh.name, traversal.name());
+                    assert_eq!(
+                        number,
+                        0,
+                        "{}, {}, any {any}: {ray:?}",
+                        mesh.name,
+                        TraversalChoice::Through(traversal).name()
+                    );
                 }
             }
         });
@@ -215,7 +221,7 @@ fn a_million_aimed_rays_do_not_leak() {
 #[test]
 fn tiles_of_aimed_rays_go_in_frusta() {
     for mesh in meshes() {
-        let hierarchy = Hierarchy::new(&mesh.scene(), Trees::WideAndBinary);
+        let hierarchy = Hierarchy::new(&mesh.scene().geometry(), Trees::WideAndBinary);
         let mut rng = Rng(5);
         let go = (0..100).filter(|_| mesh.rays(&mut rng, TILE).goes_in_a_frustum(&hierarchy)).count();
         assert!(go > 25, "{}: {go} of 100 tiles", mesh.name);

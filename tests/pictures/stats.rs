@@ -2,12 +2,12 @@
 //! counting.
 
 use crate::common::*;
-use octray::bvh::check::check_scene;
+use octray::bvh::check::check_geometry;
 use octray::bvh::{Bvh, LEAF, slots};
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
 use octray::measure::stats::FrameStats;
 use octray::traverse::Tracer;
-use octray::traverse::counter::{Counter, Counts, Tests};
+use octray::traverse::counter::{Counts, Tests};
 use octray::traverse::rays::{Hits, Rays};
 
 /// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
@@ -19,7 +19,7 @@ fn two_triangles() -> Scene {
 /// What is counted for rays that start at (x, 0, 5) and run almost along −z, and how many of them hit
 /// something.
 fn counted<const ANY: bool>(scene: &Scene, traversal: Traversal, starts: &[f32]) -> (Counts, usize) {
-    let hierarchy = Hierarchy::new(scene, Trees::WideAndBinary);
+    let hierarchy = Hierarchy::new(&scene.geometry(), Trees::WideAndBinary);
     let count = starts.len();
     let tilt: Vec<f32> = (0..count).map(|at| at as f32 * 1e-3).collect();
     let (zeros, ones) = (vec![0.0; count], vec![-1.0; count]);
@@ -30,12 +30,13 @@ fn counted<const ANY: bool>(scene: &Scene, traversal: Traversal, starts: &[f32])
 
 /// What is counted for these rays, and how many of them hit something.
 fn count_rays<const ANY: bool>(hierarchy: &Hierarchy, traversal: Traversal, rays: &Rays) -> (Counts, usize) {
-    let (count, counter) = (rays.len(), Counter::default());
+    let (count, mut tracer) = (rays.len(), Tracer::new());
+    tracer.start_counting();
     let (mut t, mut primitive) = (vec![f32::INFINITY; count], vec![MISS; count]);
     let [mut u, mut v] = [(); 2].map(|()| vec![0.0; count]);
     let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
-    Tracer::new().trace_in_scene::<ANY>(traversal, hierarchy, rays, &mut hits, Some(&counter));
-    (counter.get(), primitive.iter().filter(|&&one| one != MISS).count())
+    tracer.trace::<ANY>(traversal, hierarchy, rays, &mut hits);
+    (tracer.take_counts(), primitive.iter().filter(|&&one| one != MISS).count())
 }
 
 fn tests(tests: u64, steps: u64) -> Tests {
@@ -55,7 +56,7 @@ fn counted_in_tile(squares: usize, traversal: Traversal) -> Tests {
     };
     let squares = (0..squares).flat_map(|y| (0..squares).flat_map(move |x| square(x, y)));
     let scene = Scene { triangles: squares.collect(), ..diffuse() };
-    let hierarchy = Hierarchy::new(&scene, Trees::Wide);
+    let hierarchy = Hierarchy::new(&scene.geometry(), Trees::Wide);
     // Blocks of 4×4 rays, as in tiles of primary rays.
     let (mut x, mut y) = (Vec::new(), Vec::new());
     for ray in 0..256 {
@@ -85,7 +86,7 @@ fn tiles_of_small_leaves_are_left_to_streams() {
 #[test]
 fn tests_of_two_triangles_are_those_counted_by_hand() {
     let scene = two_triangles();
-    let bvh = Hierarchy::new(&scene, Trees::WideAndBinary).bvh;
+    let bvh = Hierarchy::new(&scene.geometry(), Trees::WideAndBinary).bvh;
     assert_eq!((bvh.wide[0].filled(), bvh.binary.len()), (1, 1), "both triangles are in one leaf");
     // One ray at the left triangle, one at nothing between them, one past everything: the box for all three,
     // the triangles for two.
@@ -198,8 +199,8 @@ fn any_hit_ends_at_the_first_and_the_nearest_does_not() {
     let mut faults = Vec::new();
     for triangles in [true, false] {
         let scene = all_in_the_way(600, triangles);
-        let bvh = Hierarchy::new(&scene, Trees::WideAndBinary).bvh;
-        let statistics = check_scene(&bvh, &scene).unwrap();
+        let bvh = Hierarchy::new(&scene.geometry(), Trees::WideAndBinary).bvh;
+        let statistics = check_geometry(&bvh, &scene.geometry()).unwrap();
         let [levels, nodes] = [statistics.wide_depth, statistics.wide_nodes].map(|count| count as u64);
         let [binary_levels, binary_nodes] =
             [statistics.binary_depth, statistics.binary_nodes].map(|count| count as u64);

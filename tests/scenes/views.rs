@@ -5,10 +5,10 @@ use crate::folder::Folder;
 use glam::{Vec3, vec3};
 use octray::buffers::LightChoice;
 use octray::render::PipelineChoice;
+use octray::render::{SphereChoice, TraversalChoice, TriangleChoice};
 use octray::sampling::Sampler;
 use octray::scene::{Camera, CameraPath, Keyframe, Loaded, Rendering, Scene, View, load, load_with_view};
 use octray::tone::Operator;
-use octray::traverse::{SphereChoice, TraversalChoice, TriangleChoice};
 use std::fs;
 use std::path::{Path, PathBuf};
 

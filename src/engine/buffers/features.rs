@@ -44,7 +44,7 @@ features! {
     MANY_TRIANGLES = 13, "many-triangles";
     /// More materials than a register table holds.
     MANY_MATERIALS = 14, "many-materials";
-    /// A hierarchy is faster than testing every primitive: [`crate::traverse::features_of`] decides.
+    /// A hierarchy is faster than testing every primitive: [`crate::render::features_of`] decides.
     /// Every pipeline can trace through a hierarchy, as the traversal may be chosen for any scene.
     HIERARCHY = 16, "hierarchy";
     /// Next event estimation: shadow rays to lights.

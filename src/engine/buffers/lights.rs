@@ -186,7 +186,8 @@ impl Lights {
                 important.map(|light| importance_row(scene, light, light.flat(scene, side), sky.as_ref())),
             ),
             rows: Rows::new(lights.iter().zip(&shares).flat_map(|(light, &share)| {
-                let offset = partner(light.number).map_or(0.0, |other| scene.primitive(other).offset());
+                let offset =
+                    partner(light.number).map_or(0.0, |other| scene.primitive(other).shape().offset());
                 rows(scene, light.number, share as f32, light.flat(scene, side), offset)
             })),
             first_pieces,
@@ -294,7 +295,7 @@ fn rows(
         (Primitive::Triangle(_), Some((edges, is_quad))) => {
             let [a, ab, ac] = edges.map(|edge| edge.as_vec3());
             // The halves of a parallelogram agree within the offset of either.
-            let offset = primitive.offset() + offset;
+            let offset = primitive.shape().offset() + offset;
             let is_quad = f32::from(u8::from(is_quad));
             [
                 [a.x, a.y, a.z, 0.0, e.x, e.y, e.z, probability],
@@ -304,7 +305,7 @@ fn rows(
         // All other lights are spheres.
         _ => [
             [points[0].x, points[0].y, points[0].z, radius, e.x, e.y, e.z, probability],
-            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, primitive.offset()],
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, primitive.shape().offset()],
         ],
     }
 }

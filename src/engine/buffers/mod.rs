@@ -21,7 +21,6 @@ pub use lights::{LightChoice, Lights};
 pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::{metal_rough, plastic};
-use crate::kernel::ray_triangle::TriangleMethod;
 use crate::kernel::surface::{self, triangle_normal, triangle_offset};
 use crate::scene::{self, MaterialKind, Scene};
 use glam::Vec3;
@@ -179,13 +178,6 @@ impl Buffers {
         let rows = rows.into_iter().chain([&self.material_rows, &self.material_extra]);
         rows.map(Rows::bytes).sum::<usize>() + self.textures.bytes() + self.lights.bytes()
     }
-}
-
-/// The scene's triangles as an intersection method stores them, those that share an edge linked in pairs.
-pub fn store_triangles<T: TriangleMethod>(scene: &Scene) -> Vec<T::Stored> {
-    let mut stored: Vec<_> = scene.triangles.iter().map(|triangle| T::store(triangle.vertices)).collect();
-    T::link_pairs(&mut stored);
-    stored
 }
 
 impl Sky {

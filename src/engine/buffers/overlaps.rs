@@ -17,7 +17,7 @@ const MAX_PAIRS: [usize; 2] = [100_000_000, 1_000_000];
 
 /// Whether some light shares a piece of surface with another primitive. Edges and corners do not count.
 pub(super) fn exist(scene: &Scene, is_light: impl Fn(usize) -> bool) -> bool {
-    let boxes: Vec<[DVec3; 2]> = scene.all_primitives().map(|primitive| primitive.extent()).collect();
+    let boxes: Vec<[DVec3; 2]> = scene.all_primitives().map(|primitive| primitive.shape().extent()).collect();
     let (lower, upper) = scene.bounds();
     let diagonal = (upper - lower).length();
     let rounding =

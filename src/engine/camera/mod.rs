@@ -1,10 +1,9 @@
 //! From raster space to primary rays.
 
 mod tile;
-mod view_frustum;
 
+pub use crate::math::ViewFrustum;
 pub use tile::{BLOCK, MAX_PIXELS, Tile};
-pub use view_frustum::ViewFrustum;
 
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3, portable};

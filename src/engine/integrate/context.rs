@@ -7,7 +7,7 @@ use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::traverse::{PrimitiveList, Primitives};
+use crate::traverse::{Candidates, Structure};
 
 /// Does the feature set `N` hold this feature? Constant for the compiler.
 #[inline(always)]
@@ -59,12 +59,12 @@ pub struct TraceContext {
     /// The scene in flat form.
     pub buffers: Buffers,
     /// The scene for intersection.
-    pub primitives: Primitives,
+    pub structure: Structure,
     /// The camera.
     pub camera: Pinhole,
     /// The primitives that the primary rays of each tile can hit, by [`crate::camera::Tile::number`]; empty
     /// where culling does not pay.
-    pub visible: Vec<PrimitiveList>,
+    pub visible: Vec<Candidates>,
     /// Pixels in a row of the picture.
     pub width: u32,
     /// Scattering events allowed on a path.

@@ -4,7 +4,7 @@ use super::context::TraceContext;
 use super::generate::pixel_centers;
 use super::scratch::Scratch;
 use crate::camera::MAX_PIXELS;
-use crate::traverse::counter::{Counter, Counts};
+use crate::traverse::counter::Counts;
 
 /// Intersection tests of one ray, traced by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,18 +36,14 @@ pub(crate) fn render_row(
     let first = (y / tile_size[1]) as usize * tiles_across;
     for (part, pixels) in row.chunks_mut(MAX_PIXELS).enumerate() {
         pixel_centers(context, [(part * MAX_PIXELS) as u32, y], pixels.len(), scratch);
+        scratch.tracer.start_counting();
         for (at, cost) in pixels.iter_mut().enumerate() {
-            let (counter, x) = (Counter::default(), part * MAX_PIXELS + at);
+            let x = part * MAX_PIXELS + at;
             let visible = context.visible.get(first + x / tile_size[0] as usize);
             let (rays, mut hits) = scratch.queue.queries(at..at + 1, Some(context.camera.position()));
-            context.primitives.closest_one_by_one(
-                &rays,
-                &mut hits,
-                visible,
-                &mut scratch.tracer,
-                Some(&counter),
-            );
-            *cost = counter.get().into();
+            scratch.tracer.closest_one_by_one(&context.structure, &rays.among(visible), &mut hits);
+            *cost = scratch.tracer.take_counts().into();
         }
+        scratch.tracer.stop_counting();
     }
 }

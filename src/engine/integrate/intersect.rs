@@ -8,7 +8,7 @@ use super::stats::RayKind;
 use crate::buffers::Features;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Hit;
-use crate::traverse::PrimitiveList;
+use crate::traverse::Candidates;
 use std::ops::Range;
 
 /// What a run of [`intersect`] leaves.
@@ -83,7 +83,7 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, mask: L::Mask) -> Hit<L> {
 #[inline(always)]
 pub fn closest_of_queue<L: Lane>(
     context: &TraceContext,
-    visible: Option<&PrimitiveList>,
+    visible: Option<&Candidates>,
     scratch: &mut Scratch,
     paths: Range<usize>,
     kind: RayKind,
@@ -91,5 +91,6 @@ pub fn closest_of_queue<L: Lane>(
     let Scratch { queue, tracer, observer, .. } = scratch;
     let origin = (kind == RayKind::Primary).then(|| context.camera.position());
     let (rays, mut hits) = queue.queries(paths, origin);
-    context.primitives.closest::<L>(&rays, &mut hits, visible, tracer, observer.counter(kind));
+    tracer.closest_in_scene(&context.structure, &rays.among(visible), &mut hits);
+    observer.add_tests(kind, tracer);
 }

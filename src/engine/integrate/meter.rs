@@ -6,7 +6,8 @@ use super::queue::PathQueue;
 use super::stats::{RayKind, Segment, Stage, Stats};
 use crate::camera::MAX_PIXELS;
 use crate::lane::Lane;
-use crate::traverse::counter::Counter;
+use crate::traverse::Tracer;
+use crate::traverse::counter::Counts;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -60,10 +61,12 @@ impl Observer {
             meter.begin(Some(Stage::ShadowRays));
         }
     }
-    /// The counter of intersection tests of a kind of ray.
+    /// Adds the tests that a tracer has counted for a kind of ray.
     #[inline(always)]
-    pub fn counter(&self, kind: RayKind) -> Option<&Counter> {
-        self.meter.as_ref().map(|meter| &meter.counters[kind as usize])
+    pub fn add_tests(&mut self, kind: RayKind, tracer: &mut Tracer) {
+        if let Some(meter) = &mut self.meter {
+            meter.counts[kind as usize] += tracer.take_counts();
+        }
     }
     /// Starts to record how long the paths of a tile are.
     pub fn start_probe(&mut self) {
@@ -85,7 +88,7 @@ struct Meter {
     times: [Duration; Stage::ALL.len()],
     segments: Vec<Segment>,
     shadow_rays: Segment,
-    counters: [Counter; RayKind::ALL.len()],
+    counts: [Counts; RayKind::ALL.len()],
     /// The current stage.
     stage: Option<Stage>,
     since: Instant,
@@ -97,7 +100,7 @@ impl Default for Meter {
             times: [Duration::ZERO; Stage::ALL.len()],
             segments: Vec::new(),
             shadow_rays: Segment::default(),
-            counters: Default::default(),
+            counts: Default::default(),
             stage: None,
             since: Instant::now(),
         }
@@ -106,13 +109,8 @@ impl Default for Meter {
 
 impl Meter {
     fn stats(&self) -> Stats {
-        let Self { times, ref segments, shadow_rays, ref counters, .. } = *self;
-        Stats {
-            times,
-            segments: segments.clone(),
-            shadow_rays,
-            counts: counters.each_ref().map(Counter::get),
-        }
+        let Self { times, ref segments, shadow_rays, counts, .. } = *self;
+        Stats { times, segments: segments.clone(), shadow_rays, counts }
     }
     #[cold]
     #[inline(never)]

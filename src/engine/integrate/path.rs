@@ -22,9 +22,9 @@ pub fn trace_path(context: &mut TraceContext, [x, y]: [u32; 2], sample: u32) -> 
     let (mut vertices, mut shadow_rays) = (Vec::<PathVertex<f32>>::new(), 0);
     for events in 0..=most {
         context.max_bounces = events;
-        scratch.observer.start_stats();
+        scratch.start_stats();
         pipeline(context, &[tile], sample, &mut scratch);
-        let stats = scratch.observer.take_stats();
+        let stats = scratch.take_stats();
         if stats.segments.len() > events as usize {
             push_end(context, &scratch, &mut vertices);
         }
@@ -33,7 +33,7 @@ pub fn trace_path(context: &mut TraceContext, [x, y]: [u32; 2], sample: u32) -> 
             // The last one, traced again; overwrites the hit.
             let (vertex, scratch) = (&mut vertices[events as usize - 1], &mut *scratch);
             let (rays, mut hits) = scratch.shadow_queue.queries(&mut scratch.queue, 1);
-            context.primitives.occluded::<f32>(&rays, &mut hits, &mut scratch.tracer, None);
+            scratch.tracer.occluded_in_scene(&context.structure, &rays, &mut hits);
             vertex.light_direction = Some(rays.packet::<f32>(0).direction.get(0).into());
             let (_, radiance) = scratch.shadow_queue.contribution::<f32>(0);
             vertex.light = Some(if hits.get(0).found() { [0.0; 3] } else { radiance.get(0).into() });

@@ -5,6 +5,7 @@ use super::queue::IntColumn;
 use super::queue::PathQueue;
 use super::queue::ShadowQueue;
 use super::radiance::Radiance;
+use super::stats::Stats;
 use super::tile_pixels::TilePixels;
 use crate::sampling::SampleTable;
 use crate::traverse::Tracer;
@@ -44,5 +45,15 @@ impl Scratch {
             tracer: Tracer::new(),
             observer: Observer::default(),
         })
+    }
+    /// Starts statistics.
+    pub fn start_stats(&mut self) {
+        self.observer.start_stats();
+        self.tracer.start_counting();
+    }
+    /// Ends statistics and returns them.
+    pub fn take_stats(&mut self) -> Stats {
+        self.tracer.stop_counting();
+        self.observer.take_stats()
     }
 }

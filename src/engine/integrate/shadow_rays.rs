@@ -128,12 +128,12 @@ pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch,
     let Scratch { queue, shadow_queue, tracer, observer, radiance: sums, .. } = scratch;
     observer.begin_shadow_rays::<L>(count);
     let (rays, mut hits) = shadow_queue.queries(queue, count);
-    let counter = observer.counter(RayKind::Shadow);
     if hits_decide {
-        context.primitives.closest::<L>(&rays, &mut hits, None, tracer, counter);
+        tracer.closest_in_scene(&context.structure, &rays, &mut hits);
     } else {
-        context.primitives.occluded::<L>(&rays, &mut hits, tracer, counter);
+        tracer.occluded_in_scene(&context.structure, &rays, &mut hits);
     }
+    observer.add_tests(RayKind::Shadow, tracer);
     let mut contributions = 0;
     for at in (0..count).step_by(L::WIDTH) {
         let (rays, hit) = (L::Mask::first(count - at), hits.packet::<L>(at));

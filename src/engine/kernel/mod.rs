@@ -5,10 +5,8 @@
 pub mod bsdf;
 pub mod light;
 pub mod normals;
-pub mod ray_box;
 pub mod ray_cone;
-pub mod ray_sphere;
-pub mod ray_triangle;
-pub mod sphere_culling;
 pub mod surface;
 pub mod texture;
+
+pub use octray_rays::kernel::{ray_box, ray_sphere, ray_triangle, sphere_culling};

@@ -1,8 +1,10 @@
 //! Renders a scene into a film: tiles as rayon jobs.
 
 pub mod aovs;
+mod methods;
 mod settings;
 
+pub use methods::{Methods, SphereChoice, TraversalChoice, TriangleChoice, features_of};
 pub use settings::{LaneChoice, PipelineChoice, Settings};
 
 use crate::buffers::{Buffers, Features};
@@ -15,35 +17,36 @@ use crate::math::{Hit, MISS};
 use crate::path_vertex::PathVertex;
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
-use crate::traverse::{PrimitiveList, Primitives, features_of};
+use crate::traverse::Candidates;
+use octray_rays::Geometry;
 use rayon::prelude::*;
 
-/// Limit on primitives times tiles for which [`PrimitiveList`] is found: some tens of milliseconds. With
+/// Limit on primitives times tiles for which [`Candidates`] are found: some tens of milliseconds. With
 /// more, linear traversal is too slow to render with anyway.
 const MAX_CULLING_TESTS: usize = 4_000_000;
-/// Limit on primitives for which it is found again for every frame of a moving camera. Finding it takes 1 to
+/// Limit on primitives for which they are found again for every frame of a moving camera. Finding them takes 1 to
 /// 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.
 const MAX_CULLED_MOVING: usize = 256;
 
 /// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there
 /// are more primitives than `most` or than [`MAX_CULLING_TESTS`] allows.
 fn find_visible(
-    visible: &mut Vec<PrimitiveList>,
-    scene: &Scene,
+    visible: &mut Vec<Candidates>,
+    geometry: &Geometry,
     camera: &Pinhole,
     settings: &Settings,
     most: usize,
 ) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
-    let (primitives, count) = (scene.primitives(), tiles().count());
+    let (primitives, count) = (geometry.len(), tiles().count());
     let too_many = primitives > most || primitives * count > MAX_CULLING_TESTS;
     if !settings.methods.keep_to_their_primitives() || too_many {
         visible.clear();
         return;
     }
-    visible.resize_with(count, PrimitiveList::default);
+    visible.resize_with(count, Candidates::default);
     for (tile, visible) in tiles().zip(visible) {
-        visible.find(scene, &camera.view_frustum([tile.x, tile.y], [tile.width, tile.height]));
+        visible.find_in_frustum(geometry, &camera.view_frustum([tile.x, tile.y], [tile.width, tile.height]));
     }
 }
 
@@ -114,15 +117,16 @@ impl Renderer {
         let camera = Pinhole::new(&scene.camera, resolution);
         let mut buffers = Buffers::with_lights(scene, settings.methods.lights);
         buffers.needs = buffers.needs.with(features_of(scene));
-        let primitives = Primitives::new(scene, settings.methods, lanes, &buffers.lights);
+        let geometry = scene.geometry();
+        let structure = settings.methods.structure(scene, &geometry, lanes, &buffers.lights);
         let mut visible = Vec::new();
-        if primitives.take_lists() {
-            find_visible(&mut visible, scene, &camera, &settings, usize::MAX);
+        if structure.accepts_candidates() {
+            find_visible(&mut visible, &geometry, &camera, &settings, usize::MAX);
         }
         let context = TraceContext {
             visible,
             buffers,
-            primitives,
+            structure,
             camera,
             width: resolution[0],
             max_bounces: settings.max_bounces,
@@ -162,8 +166,9 @@ impl Renderer {
         let context = &mut self.context;
         context.camera = Pinhole::new(camera, resolution);
         context.width = resolution[0];
-        if context.primitives.take_lists() {
-            find_visible(&mut context.visible, scene, &context.camera, &self.settings, MAX_CULLED_MOVING);
+        if context.structure.accepts_candidates() {
+            let geometry = scene.geometry();
+            find_visible(&mut context.visible, &geometry, &context.camera, &self.settings, MAX_CULLED_MOVING);
         }
     }
     /// The camera, prepared.
@@ -198,12 +203,12 @@ impl Renderer {
     }
     /// Starts statistics. They cost some time and change no bit of the picture.
     pub fn start_stats(&self) {
-        self.threads.for_each_memory(|scratch| scratch.observer.start_stats());
+        self.threads.for_each_memory(|scratch| scratch.start_stats());
     }
     /// Ends statistics and returns them, summed over all threads.
     pub fn take_stats(&self) -> Stats {
         let mut sum = Stats::default();
-        self.threads.for_each_memory(|scratch| sum += &scratch.observer.take_stats());
+        self.threads.for_each_memory(|scratch| sum += &scratch.take_stats());
         sum
     }
     /// Adds `samples` samples to every pixel; their numbers follow those of earlier samples.

@@ -1,9 +1,9 @@
 //! What decides a picture besides its scene.
 
+use super::Methods;
 use crate::choice::choices;
 use crate::lane::NATIVE_WIDTH;
 use crate::scene::Scene;
-use crate::traverse::Methods;
 
 choices! {
     /// Which of the pipelines in [`crate::integrate`] renders a scene. The general one measures and tests the

@@ -1,7 +1,7 @@
 //! The bounds of a scene, and a camera that frames them.
 
 use super::camera::Camera;
-use super::model::{Primitive, Scene};
+use super::model::Scene;
 use crate::math::portable;
 use glam::{DVec3, Vec3};
 
@@ -18,7 +18,7 @@ const MARGIN: f64 = 1.03;
 impl Scene {
     /// The lower and upper corner of the axis-aligned box around all primitives; zeros if there are none.
     pub fn bounds(&self) -> (DVec3, DVec3) {
-        let boxes = self.all_primitives().map(Primitive::extent);
+        let boxes = self.all_primitives().map(|primitive| primitive.shape().extent());
         boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default().into()
     }
 
@@ -61,7 +61,7 @@ impl Scene {
             };
             from.dot(backward) + along(up, half_height).max(along(right, half_height * ASPECT))
         };
-        let balls = self.all_primitives().flat_map(Primitive::balls);
+        let balls = self.all_primitives().flat_map(|primitive| primitive.shape().balls());
         balls.map(|(center, radius)| needed(center, radius)).fold(0.0, f64::max)
     }
 }

@@ -1,14 +1,13 @@
 //! The scene: the form that every renderer reads.
 
 mod camera;
-mod coordinates;
 mod framing;
 mod material;
 mod model;
 mod texture;
 
 pub use camera::{Camera, CameraFault, MIN_LENGTH};
-pub use coordinates::{Coordinates, MAX_COORDINATE};
 pub use material::{Material, MaterialKind};
 pub use model::*;
+pub use octray_rays::coordinates::{Coordinates, MAX_COORDINATE};
 pub use texture::{Filter, TexelKind, Texels, Texture, srgb_to_linear};

@@ -4,10 +4,10 @@
 //! hit them is in [`crate::traverse`].
 
 use super::camera::Camera;
-use super::coordinates::Coordinates;
 use super::material::Material;
 use super::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
+use octray_rays::{Coordinates, Geometry, Shape};
 use std::f32::consts::PI;
 use std::path::PathBuf;
 
@@ -97,15 +97,13 @@ impl Scene {
     pub fn emits(&self) -> bool {
         self.all_primitives().any(|primitive| self.materials[primitive.material() as usize].emits())
     }
-    /// Nothing but the primitives for which `keep` holds, by their numbers.
-    pub fn only(&self, keep: impl Fn(usize, Primitive) -> bool) -> Self {
-        let mut scene = Self::default();
-        let kept = self.all_primitives().enumerate().filter(|(number, primitive)| keep(*number, *primitive));
-        kept.for_each(|(_, primitive)| match primitive {
-            Primitive::Sphere(&sphere) => scene.spheres.push(sphere),
-            Primitive::Triangle(&triangle) => scene.triangles.push(triangle),
-        });
-        scene
+    /// Returns the geometry of all primitives, as rays are traced through it.
+    pub fn geometry(&self) -> Geometry {
+        Geometry {
+            coordinates: self.coordinates,
+            spheres: self.spheres.iter().map(Sphere::shape).collect(),
+            triangles: self.triangles.iter().map(|triangle| triangle.vertices).collect(),
+        }
     }
 }
 
@@ -163,6 +161,13 @@ pub struct Sphere {
     pub texture_side: Side,
 }
 
+impl Sphere {
+    /// Returns its geometry.
+    fn shape(&self) -> octray_rays::Sphere {
+        octray_rays::Sphere { center: self.center, radius: self.radius }
+    }
+}
+
 /// A side of a sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Side {
@@ -206,24 +211,11 @@ impl<'a> Primitive<'a> {
             Self::Triangle(triangle) => (&triangle.vertices, 0.0),
         }
     }
-    /// The balls of [`Primitive::hull`]: centres and radius.
-    pub fn balls(self) -> impl Iterator<Item = (DVec3, f64)> + Clone + use<'a> {
-        let (points, radius) = self.hull();
-        points.iter().map(move |point| (point.as_dvec3(), f64::from(radius)))
-    }
-    /// The lower and upper corner of the box around its balls.
-    pub fn extent(self) -> [DVec3; 2] {
-        let boxes = self.balls().map(|(center, radius)| [center - radius, center + radius]);
-        boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default()
-    }
-    /// The distance of a point from its surface, of a triangle from its plane.
-    pub fn distance(self, point: DVec3) -> f64 {
+    /// Returns its geometry.
+    pub fn shape(self) -> Shape {
         match self {
-            Self::Sphere(sphere) => (point.distance(sphere.center.into()) - f64::from(sphere.radius)).abs(),
-            Self::Triangle(triangle) => {
-                let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
-                (point - a).dot((b - a).cross(c - a).normalize()).abs()
-            }
+            Self::Sphere(sphere) => Shape::Sphere(sphere.shape()),
+            Self::Triangle(triangle) => Shape::Triangle(triangle.vertices),
         }
     }
     /// The power that it emits, on all sides, at a radiance of 1; 0 where no light sampling exists for it.

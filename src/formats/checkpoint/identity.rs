@@ -5,10 +5,10 @@ use octray_engine::adaptive::Target;
 use octray_engine::buffers::LightChoice;
 use octray_engine::lane::FUSED;
 use octray_engine::render::Settings;
+use octray_engine::render::{Methods, SphereChoice, TriangleChoice};
 use octray_engine::sampling::Sampler;
 use octray_engine::scene::Scene;
 use octray_engine::tone::{Operator, Tone};
-use octray_engine::traverse::{Methods, SphereChoice, TriangleChoice};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

@@ -62,8 +62,9 @@ pub fn warn_of_size(scene: &Scene, cameras: &[Camera]) -> Option<String> {
     }
     // The offset, in the camera's distances from what it looks at.
     let too_large = |(number, primitive): (usize, Primitive)| {
-        let offset = f64::from(primitive.offset());
-        let is_near = |camera: &&Camera| primitive.distance(camera.look_at.into()) < IN_VIEW * view(camera);
+        let offset = f64::from(primitive.shape().offset());
+        let is_near =
+            |camera: &&Camera| primitive.shape().distance(camera.look_at.into()) < IN_VIEW * view(camera);
         let mut seen = cameras.iter().filter(|camera| offset > view(camera) * MOST_OFFSET);
         Some((number, offset / view(seen.find(is_near)?)))
     };

@@ -234,7 +234,7 @@ fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
     if (from_origin * LEAST_SIGHT..=2.0 * reach).contains(&sight.length()) || sight.length() < MIN_LENGTH {
         return look_at.as_vec3();
     }
-    let farthest = scene.all_primitives().map(|one| one.distance(from)).fold(from_origin, f64::max);
+    let farthest = scene.all_primitives().map(|one| one.shape().distance(from)).fold(from_origin, f64::max);
     (from + sight.normalize() * if farthest > 0.0 { 3.0 * farthest } else { reach }).as_vec3()
 }
 

@@ -6,9 +6,9 @@ use crate::buffers::LightChoice;
 use crate::film::{Film, Picture};
 use crate::lane::WIDTHS;
 use crate::reference::{PathSettings, Reference, Verdict};
+use crate::render::Methods;
 use crate::render::{LaneChoice, PrimaryHit, Renderer, Settings};
 use crate::scene::Scene;
-use crate::traverse::Methods;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -243,7 +243,7 @@ fn check_against_reference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::traverse::SphereChoice;
+    use crate::render::SphereChoice;
 
     #[test]
     fn comparison_fails_for_pixels_samples_and_hits_but_not_for_naive_hits() {

@@ -142,7 +142,7 @@ impl RaySet {
 /// Origin of a secondary ray at a hit, and the unit normal on the side from which the first ray arrives.
 pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Answer) -> (Vec3<f32>, Vec3<f32>) {
     let primitive = scene.primitive(hit.primitive as usize);
-    let (point, outward, offset) = primitive.surface(ray.at(hit.t), [hit.u, hit.v]);
+    let (point, outward, offset) = primitive.shape().surface(ray.at(hit.t), [hit.u, hit.v]);
     let normal = outward.flip_sign(-ray.direction.dot(outward));
     (normal.mul_add(offset, point), normal)
 }

@@ -9,11 +9,10 @@ use super::ray_sets::{Answer, Answers, Kind, RaySet, RaysWithHits, pixels};
 use super::stats::{RayStats, TestStats};
 use super::timed::{Ratio, Times};
 use super::trace::{Accelerators, TraceMethod, TracePool};
-use crate::bvh::Trees;
 use crate::camera::Pinhole;
+use crate::rays::{Geometry, Structure};
 use crate::scene::{Camera, Scene};
 use crate::traverse::Traversal;
-use crate::traverse::hierarchy::Hierarchy;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -42,7 +41,7 @@ pub struct BuildTime {
 ///
 /// # Panics
 /// If `threads` is empty, or the system refuses threads.
-pub fn build(scene: &Scene, threads: &[usize], fewest: usize) -> (Hierarchy, Vec<BuildTime>) {
+pub fn build(geometry: &Geometry, threads: &[usize], fewest: usize) -> (Structure, Vec<BuildTime>) {
     // The builder uses the pool that it runs in: one thread needs a pool too.
     let pool = |&threads: &usize| {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
@@ -55,7 +54,7 @@ pub fn build(scene: &Scene, threads: &[usize], fewest: usize) -> (Hierarchy, Vec
             // Frees the memory of the last build first.
             drop(hierarchy.take());
             let start = Instant::now();
-            hierarchy = Some(pool.install(|| Hierarchy::new(scene, Trees::WideAndBinary)));
+            hierarchy = Some(pool.install(|| Structure::tree_for_all(geometry)));
             seconds.push(start.elapsed().as_secs_f64());
         }
     }
@@ -268,7 +267,7 @@ mod tests {
     use octray_formats::scene::load;
 
     fn prepared(scene: &Scene, size: [u32; 2], seed: u32) -> Vec<RaysWithHits> {
-        let structures = Accelerators::new(scene, Hierarchy::new(scene, Trees::WideAndBinary));
+        let structures = Accelerators::new(&scene.geometry(), Structure::tree_for_all(&scene.geometry()));
         prepare(scene, &scene.overview().unwrap(), &structures, &TracePool::new(2), size, seed)
     }
 
@@ -279,7 +278,7 @@ mod tests {
     #[test]
     fn measure_takes_no_time_where_no_method_applies() {
         let scene = load("builtin:terrain:2").unwrap();
-        let structures = Accelerators::new(&scene, Hierarchy::new(&scene, Trees::WideAndBinary));
+        let structures = Accelerators::new(&scene.geometry(), Structure::tree_for_all(&scene.geometry()));
         let pools = [TracePool::new(1)];
         let packet = [TraceMethod::Tree(Traversal::Packet)];
         let sets = prepare(&scene, &scene.overview().unwrap(), &structures, &pools[0], [64, 48], 0);

@@ -1,16 +1,15 @@
 //! The traversals that trace a set of rays, on one thread or many.
 
 use super::ray_sets::{Answers, RaySet};
-use crate::lane::{NATIVE_WIDTH, Native};
+use crate::lane::NATIVE_WIDTH;
 use crate::math::MISS;
-use crate::scene::Scene;
+use crate::rays::Geometry;
+use crate::render::TraversalChoice;
 use crate::threads::Threads;
-use crate::traverse::counter::{Counter, Counts};
-use crate::traverse::hierarchy::Hierarchy;
+use crate::traverse::counter::Counts;
 use crate::traverse::rays::{Hits, Rays};
 use crate::traverse::tile::TILE;
-use crate::traverse::{List, Methods, TraversalChoice};
-use crate::traverse::{Tracer, Traversal};
+use crate::traverse::{Structure, Tracer, Traversal};
 use rayon::prelude::*;
 
 /// Most rays of a thread's unit of work: a whole batch of a stream.
@@ -32,7 +31,7 @@ impl TraceMethod {
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
-            Self::Tree(traversal) => traversal.name(),
+            Self::Tree(traversal) => TraversalChoice::Through(traversal).name(),
         }
     }
     /// SIMD lanes.
@@ -59,52 +58,39 @@ impl TraceMethod {
 /// The acceleration structures of a scene that the methods read.
 pub struct Accelerators {
     /// Wide and binary trees: some traversals read the one, some the other.
-    pub(crate) hierarchy: Hierarchy,
-    list: List,
+    pub(crate) tree: Structure,
+    list: Structure,
 }
 
 impl Accelerators {
-    /// Stores a list of the primitives beside a hierarchy of the same scene.
-    pub fn new(scene: &Scene, hierarchy: Hierarchy) -> Self {
-        Self { hierarchy, list: List::new(scene, Methods::default()) }
+    /// Builds a list of the primitives, beside their hierarchy ([`Structure::tree_for_all`]).
+    pub fn new(geometry: &Geometry, tree: Structure) -> Self {
+        Self { tree, list: Structure::list(geometry, Default::default(), NATIVE_WIDTH) }
     }
 
     /// Updates the hits of all rays: the closest hit, or any hit.
-    fn trace(
-        &self,
-        method: TraceMethod,
-        tracer: &mut Tracer,
-        rays: &Rays,
-        hits: &mut Hits,
-        any_hit: bool,
-        counter: Option<&Counter>,
-    ) {
-        match method {
-            TraceMethod::Tree(traversal) if any_hit => {
-                tracer.trace_in_scene::<true>(traversal, &self.hierarchy, rays, hits, counter);
-            }
-            TraceMethod::Tree(traversal) => {
-                tracer.trace_in_scene::<false>(traversal, &self.hierarchy, rays, hits, counter);
-            }
-            TraceMethod::Linear => {
-                let packets = rays.len() - rays.len() % NATIVE_WIDTH;
-                let (first, rest) = (0..packets, packets..rays.len());
-                self.list.trace::<Native>(&rays.range(first.clone()), &mut hits.range(first), None, counter);
-                self.list.trace::<f32>(&rays.range(rest.clone()), &mut hits.range(rest), None, counter);
-            }
+    fn trace(&self, method: TraceMethod, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits, any_hit: bool) {
+        let structure = match method {
+            TraceMethod::Tree(traversal) => &self.tree.with_traversal(traversal),
+            TraceMethod::Linear => &self.list,
+        };
+        match any_hit {
+            true => tracer.improve::<true>(structure, rays, hits),
+            false => tracer.improve::<false>(structure, rays, hits),
         }
     }
 
     /// Counts the tests of these rays, traced in chunks as on several threads.
     pub(crate) fn count(&self, method: TraceMethod, set: &RaySet) -> Counts {
-        let (mut tracer, mut answers, counter) = (Tracer::new(), Answers::none(set), Counter::default());
+        let (mut tracer, mut answers) = (Tracer::new(), Answers::none(set));
+        tracer.start_counting();
         let mut hits = answers.hits();
         for first in (0..set.len()).step_by(CHUNK) {
             let range = first..set.len().min(first + CHUNK);
             let (rays, hits) = (&set.rays().range(range.clone()), &mut hits.range(range));
-            self.trace(method, &mut tracer, rays, hits, set.kind.any_hit(), Some(&counter));
+            self.trace(method, &mut tracer, rays, hits, set.kind.any_hit());
         }
-        counter.get()
+        tracer.take_counts()
     }
 }
 
@@ -161,7 +147,7 @@ impl TracePool {
         any_hit: bool,
     ) {
         let range = first..first + hits.t.len();
-        structures.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit, None);
+        structures.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit);
     }
 
     /// All answers at once on one thread, in chunks on more; `work` takes the number of its first ray.

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// The packages, each of which may use those before it: Cargo keeps that order. The last one is the
 /// program's.
-pub const PACKAGES: [(&str, &str); 5] = [
+pub const PACKAGES: [(&str, &str); 6] = [
+    ("rays", "src/rays"),
     ("engine", "src/engine"),
     ("formats", "src/formats"),
     ("viewer", "src/viewer"),

@@ -16,7 +16,7 @@ fn scale(rng: &mut Rng, low: f64, high: f64) -> f32 {
 
 /// What the engine's equations find nearest, in a direction of unit length.
 fn nearest(scene: &Scene, sphere: SphereChoice, origin: Vec3, d: Vec3) -> [u32; 4] {
-    let list = List::new(scene, Methods { sphere, ..Methods::default() });
+    let list = List::new(&scene.geometry(), Methods { sphere, ..Methods::default() }.tests());
     Set::of(&[ray(origin, d)]).nearest::<f32>(&list, None)[0]
 }
 

@@ -6,10 +6,11 @@
 use crate::buffers::{Features, LightChoice};
 use crate::lane::WIDTHS;
 use crate::render::{PipelineChoice, Renderer, Settings};
+use crate::render::{SphereChoice, TraversalChoice, TriangleChoice};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
 use crate::traverse::Traversal;
-use crate::traverse::{SphereChoice, TraversalChoice, TriangleChoice, list_cost};
+use crate::traverse::list_cost;
 use serde::Serialize;
 
 /// Settings under a name.
@@ -134,7 +135,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     let renderer = Renderer::new(scene, settings);
     let default_picture = first_sample(&renderer);
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
-    let linear = list_cost(scene) <= MOST_LINEAR;
+    let linear = list_cost(scene.spheres.len(), scene.triangles.len()) <= MOST_LINEAR;
 
     let mut all = vec![default.clone()];
     let mut add = |name, applies: bool, change: &dyn Fn(&mut Configuration)| {

@@ -315,7 +315,7 @@ mod tests {
     use super::super::ground_truth::GroundTruthRenderer;
     use super::*;
     use crate::render::Settings;
-    use crate::traverse::SphereChoice;
+    use crate::render::SphereChoice;
 
     #[test]
     fn errors_fall_and_equal_configurations_have_equal_bits() {

@@ -11,9 +11,9 @@ use crate::kernel::ray_sphere::Robust;
 use crate::kernel::ray_triangle::Woop;
 use crate::math::MISS;
 use crate::reference::{Reference, Verdict};
+use crate::render::Methods;
 use crate::render::PrimaryHit;
 use crate::scene::{Camera, Scene};
-use crate::traverse::Methods;
 
 pub(super) fn test_cases() -> Vec<TestCase> {
     vec![

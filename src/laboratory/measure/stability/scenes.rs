@@ -8,10 +8,10 @@ use super::triangles;
 use crate::kernel::ray_triangle::Woop;
 use crate::lane::WIDTHS;
 use crate::math::MISS;
+use crate::render::{Methods, SphereChoice, TraversalChoice};
 use crate::render::{PrimaryHit, Renderer, Settings};
 use crate::scene::{Camera, Material, MaterialKind, Scene, Side, Sky, Sphere, Triangle};
 use crate::traverse::Traversal;
-use crate::traverse::{Methods, SphereChoice, TraversalChoice};
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 

@@ -5,24 +5,34 @@
 //! packets at a time, and what a ray needs stays in registers: with 16 lanes 1.03 to 1.1 times as fast as one
 //! loop in scenes that have both; with 8 there is no difference.
 
+use super::candidates::Candidates;
 use super::counter::Counter;
-use super::hierarchy::padding_of;
-use super::methods::{Methods, TriangleChoice};
-use super::primitive_list::PrimitiveList;
-use super::quadrics::Quadrics;
+use super::quadrics::{Quadrics, SphereTest};
 use super::rays::{Hits, Rays};
-use crate::buffers::store_triangles;
+use crate::coordinates::Coordinates;
+use crate::geometry::Geometry;
 use crate::kernel::ray_box::{BoxRay, Padding, own_box};
 use crate::kernel::ray_triangle::{MollerTrumbore, PairHit, TriangleHit, TriangleMethod, Woop};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, MISS, Ray, Vec3};
-use crate::scene::Scene;
 
-/// All primitives of a scene, in the order of their numbers.
+/// A ray–triangle intersection method of the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum TriangleTest {
+    /// [`Woop`]: the default.
+    #[default]
+    Woop,
+    /// [`MollerTrumbore`]: the classic, for contrast.
+    MollerTrumbore,
+}
+
+/// All primitives, in the order of their numbers.
 pub struct List {
     quadrics: Quadrics,
     triangles: Triangles,
     padding: Padding,
+    /// Where the coordinates of the primitives are in the world.
+    pub(super) coordinates: Coordinates,
 }
 
 /// The triangles as the chosen method stores them.
@@ -32,24 +42,25 @@ enum Triangles {
 }
 
 impl List {
-    /// Stores a scene's primitives for the intersection methods chosen.
-    pub fn new(scene: &Scene, methods: Methods) -> Self {
+    /// Stores all primitives for these intersection methods.
+    pub fn new(geometry: &Geometry, (sphere, triangle): (SphereTest, TriangleTest)) -> Self {
         Self {
-            quadrics: Quadrics::new(scene, methods.sphere),
-            triangles: match methods.triangle {
-                TriangleChoice::Woop => Triangles::Woop(store_triangles::<Woop>(scene)),
-                TriangleChoice::MollerTrumbore => {
-                    Triangles::MollerTrumbore(store_triangles::<MollerTrumbore>(scene))
+            quadrics: Quadrics::new(geometry, sphere),
+            triangles: match triangle {
+                TriangleTest::Woop => Triangles::Woop(store_triangles::<Woop>(geometry)),
+                TriangleTest::MollerTrumbore => {
+                    Triangles::MollerTrumbore(store_triangles::<MollerTrumbore>(geometry))
                 }
             },
-            padding: padding_of(scene),
+            padding: geometry.padding(),
+            coordinates: geometry.coordinates,
         }
     }
 
     /// The numbers of quadrics and triangles that [`List::trace`] tests each ray against.
-    fn tests(&self, listed: Option<&PrimitiveList>) -> [usize; 2] {
+    fn tests(&self, listed: Option<&Candidates>) -> [usize; 2] {
         if let Some(listed) = listed {
-            return [listed.quadrics.len(), listed.triangles.len()];
+            return [listed.spheres.len(), listed.triangles.len()];
         }
         let triangles = match &self.triangles {
             Triangles::Woop(stored) => stored.len(),
@@ -64,7 +75,7 @@ impl List {
         &self,
         rays: &Rays,
         hits: &mut Hits,
-        listed: Option<&PrimitiveList>,
+        listed: Option<&Candidates>,
         counter: Option<&Counter>,
     ) {
         let [quadrics, triangles] = self.tests(listed);
@@ -73,7 +84,7 @@ impl List {
         }
         // Without any candidate, the loop over none of the quadrics stores the misses.
         if quadrics > 0 || triangles == 0 {
-            self.quadrics.trace::<L>(rays, hits, listed.map(|listed| listed.quadrics.as_slice()));
+            self.quadrics.trace::<L>(rays, hits, listed.map(|listed| listed.spheres.as_slice()));
         }
         if triangles > 0 {
             let hits = (quadrics > 0, hits);
@@ -91,17 +102,24 @@ impl List {
         all: &[T::Stored],
         rays: &Rays,
         hits: (bool, &mut Hits),
-        listed: Option<&PrimitiveList>,
+        listed: Option<&Candidates>,
     ) {
         let first = self.quadrics.len() as u32;
         match listed {
             None => trace_triangles::<L, T>((first..).zip(all), self.padding, rays, hits),
-            Some(PrimitiveList { triangles, .. }) => {
+            Some(Candidates { triangles, .. }) => {
                 let listed = triangles.iter().map(|&index| (first + index, &all[index as usize]));
                 trace_triangles::<L, T>(listed, self.padding, rays, hits);
             }
         }
     }
+}
+
+/// Returns the triangles as an intersection method stores them, those that share an edge linked in pairs.
+fn store_triangles<T: TriangleMethod>(geometry: &Geometry) -> Vec<T::Stored> {
+    let mut stored: Vec<_> = geometry.triangles.iter().map(|&vertices| T::store(vertices)).collect();
+    T::link_pairs(&mut stored);
+    stored
 }
 
 /// Finds the nearest of the triangles that each ray hits; `after_quadrics`, keeps what it has hit before

@@ -4,7 +4,7 @@ use super::bounds::{Bounds, MAX_PRIMITIVES, PackedBox};
 use super::build::Builder;
 use super::collapse::Collapse;
 use super::node::{BinaryNode, Child, Leaf, WideNode};
-use crate::scene::Scene;
+use crate::geometry::Geometry;
 use rayon::prelude::*;
 
 /// Which trees to keep over the leaves.
@@ -32,10 +32,10 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Builds the hierarchy of a scene.
-    pub fn new(scene: &Scene, trees: Trees) -> Self {
-        let bounds = |number| Bounds::new(scene.primitive(number).bounds());
-        Self::of_boxes(scene.first_triangle(), scene.primitives(), trees, bounds)
+    /// Builds the hierarchy over all primitives.
+    pub fn new(geometry: &Geometry, trees: Trees) -> Self {
+        let bounds = |number| Bounds::new(geometry.shape(number).bounds());
+        Self::of_boxes(geometry.spheres.len(), geometry.len(), trees, bounds)
     }
 
     /// A hierarchy over `count` primitives with the given boxes; the first `quadrics` of them are quadrics.

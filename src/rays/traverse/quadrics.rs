@@ -4,21 +4,20 @@
 use super::leaf::{inclusive, keep_if_nearer};
 use super::rays::{Hits, Rays};
 use crate::bvh::{LEAF, Leaf};
-use crate::choice::choices;
+use crate::geometry::{self, Geometry};
 use crate::kernel::ray_sphere::{Naive, Robust, SphereMethod};
 use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask, Native};
 use crate::math::{Hit, MISS, Ray, Vec3};
-use crate::scene::Scene;
 
-choices! {
-    /// The ray–sphere intersection method: the default, and the textbook's for contrast.
-    pub enum SphereChoice {
-        #[default]
-        Robust = "robust",
-            "Discriminant from the perpendicular distance: accurate for small, distant and huge spheres.";
-        Naive = "naive", "The textbook quadratic formula: loses digits on small, distant and huge spheres.";
-    }
+/// A ray–sphere intersection method of the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SphereTest {
+    /// [`Robust`]: the default.
+    #[default]
+    Robust,
+    /// [`Naive`]: the textbook's, for contrast.
+    Naive,
 }
 
 /// From this many spheres on, those that no ray of a packet may hit are culled first. Culling costs about
@@ -31,9 +30,9 @@ const fn min_culled_spheres(width: usize) -> usize {
 /// How many spheres are culled at a time.
 const CHUNK: usize = 64;
 
-/// All quadrics of a scene, in the order of their numbers.
+/// All quadrics, in the order of their numbers.
 pub(super) struct Quadrics {
-    sphere: SphereChoice,
+    sphere: SphereTest,
     spheres: Vec<Sphere>,
     culled_spheres: Vec<CulledSphere>,
 }
@@ -47,9 +46,9 @@ struct Sphere {
 }
 
 impl Quadrics {
-    /// Stores a scene's quadrics for the intersection method chosen.
-    pub fn new(scene: &Scene, sphere: SphereChoice) -> Self {
-        let spheres = scene.spheres.iter().map(|sphere| (sphere.center, sphere.radius));
+    /// Stores all quadrics for an intersection method.
+    pub fn new(geometry: &Geometry, sphere: SphereTest) -> Self {
+        let spheres = geometry.spheres.iter().map(|sphere| (sphere.center, sphere.radius));
         let stored = spheres.clone().map(|(center, radius)| Sphere { center, radius2: radius * radius });
         Self {
             sphere,
@@ -65,8 +64,8 @@ impl Quadrics {
     /// Finds the nearest hit of each ray among all quadrics or those `listed`; overwrites the hits.
     pub fn trace<L: Lane>(&self, rays: &Rays, hits: &mut Hits, listed: Option<&[u32]>) {
         match self.sphere {
-            SphereChoice::Robust => self.trace_listed::<L, Robust>(rays, hits, listed),
-            SphereChoice::Naive => self.trace_listed::<L, Naive>(rays, hits, listed),
+            SphereTest::Robust => self.trace_listed::<L, Robust>(rays, hits, listed),
+            SphereTest::Naive => self.trace_listed::<L, Naive>(rays, hits, listed),
         }
     }
 
@@ -151,10 +150,10 @@ pub(super) struct QuadricLeaf {
 }
 
 impl QuadricLeaf {
-    pub fn new(scene: &Scene, leaf: &Leaf) -> Self {
+    pub fn new(geometry: &Geometry, leaf: &Leaf) -> Self {
         let mut stored = Self { center: [[0.0; LEAF]; 3], radius2: [-1.0; LEAF], primitives: *leaf };
         for (lane, &primitive) in leaf.primitives().iter().enumerate() {
-            let crate::scene::Sphere { center, radius, .. } = scene.spheres[primitive as usize];
+            let geometry::Sphere { center, radius } = geometry.spheres[primitive as usize];
             (0..3).for_each(|axis| stored.center[axis][lane] = center[axis]);
             stored.radius2[lane] = radius * radius;
         }

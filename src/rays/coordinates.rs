@@ -1,4 +1,4 @@
-//! From the coordinates of a file to those of a scene.
+//! The coordinates of the world, in double precision, and those of a structure, in single precision.
 
 use glam::DVec3;
 

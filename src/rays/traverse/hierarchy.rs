@@ -6,10 +6,11 @@ use super::leaf::{TriangleLeaf, intersect_one};
 use super::precalculated::SingleRay;
 use super::quadrics::QuadricLeaf;
 use crate::bvh::{Bvh, Child, Trees, WIDE, WideNode, slots};
+use crate::coordinates::Coordinates;
+use crate::geometry::Geometry;
 use crate::kernel::ray_box::Padding;
 use crate::lane::Lane;
 use crate::math::{Hit, Ray};
-use crate::scene::{Coordinates, Scene};
 use rayon::prelude::*;
 
 /// The bounding volume hierarchy, and the primitives of its leaves as intersection reads them.
@@ -18,36 +19,26 @@ pub struct Hierarchy {
     pub bvh: Bvh,
     /// What box tests are padded by.
     pub padding: Padding,
-    /// Those of the scene.
+    /// Where the coordinates of the primitives are in the world.
     pub(super) coordinates: Coordinates,
     triangles: TriangleLeaves,
     pub(super) quadrics: Vec<QuadricLeaf>,
 }
 
-/// The [`Padding`] of a scene's boxes, from the extent of all its primitives.
-pub fn padding_of(scene: &Scene) -> Padding {
-    let reach = |number| {
-        let [lo, hi] = scene.primitive(number).bounds();
-        lo.abs().max(hi.abs()).max_element()
-    };
-    let padding = Padding::new((0..scene.primitives()).map(reach).fold(0.0, f32::max));
-    if scene.first_triangle() == 0 { padding } else { padding.with_spheres() }
-}
-
 impl Hierarchy {
     /// [`Trees::WideAndBinary`] for the scalar traversal, which alone reads the binary tree.
-    pub fn new(scene: &Scene, trees: Trees) -> Self {
-        Self::in_layout(scene, trees, None)
+    pub fn new(geometry: &Geometry, trees: Trees) -> Self {
+        Self::in_layout(geometry, trees, None)
     }
 
     /// The same with the leaves of triangles in a given layout; `None` chooses by their size.
-    pub fn in_layout(scene: &Scene, trees: Trees, layout: Option<Layout>) -> Self {
-        let (bvh, padding) = rayon::join(|| Bvh::new(scene, trees), || padding_of(scene));
+    pub fn in_layout(geometry: &Geometry, trees: Trees, layout: Option<Layout>) -> Self {
+        let (bvh, padding) = rayon::join(|| Bvh::new(geometry, trees), || geometry.padding());
         let quadrics = bvh.quadric_leaves.par_iter().with_min_len(MIN_LEAVES_PER_THREAD);
         Self {
-            triangles: TriangleLeaves::new(scene, &bvh, layout),
-            quadrics: quadrics.map(|leaf| QuadricLeaf::new(scene, leaf)).collect(),
-            coordinates: scene.coordinates,
+            triangles: TriangleLeaves::new(geometry, &bvh, layout),
+            quadrics: quadrics.map(|leaf| QuadricLeaf::new(geometry, leaf)).collect(),
+            coordinates: geometry.coordinates,
             padding,
             bvh,
         }

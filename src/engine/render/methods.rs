@@ -1,11 +1,21 @@
 //! The methods of a rendering, chosen at run time: intersection methods, traversal, light sampling, sampler.
 
-use super::quadrics::SphereChoice;
-use super::tree::Traversal;
-use crate::buffers::{Features, LightChoice};
+use crate::buffers::{Features, LightChoice, Lights};
 use crate::choice::{Choice, choices, serde_by_name};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
+use octray_rays::traverse::{MAX_LIST_COST, SphereTest, TriangleTest, list_cost};
+use octray_rays::{Geometry, Structure, Traversal};
+
+choices! {
+    /// The ray–sphere intersection method: the default, and the textbook's for contrast.
+    pub enum SphereChoice {
+        #[default]
+        Robust = "robust",
+            "Discriminant from the perpendicular distance: accurate for small, distant and huge spheres.";
+        Naive = "naive", "The textbook quadratic formula: loses digits on small, distant and huge spheres.";
+    }
+}
 
 choices! {
     /// The ray–triangle intersection method: the default, and the classic for contrast.
@@ -16,22 +26,11 @@ choices! {
     }
 }
 
-/// The cost of testing a triangle, in tests of a sphere.
-pub const TRIANGLE_COST: usize = 6;
-/// Up to this [`list_cost`] primitives are tested one by one, above it through a hierarchy: about where that
-/// becomes faster. Measured in frames, both take equally long for terrains of about 45 triangles with 16
-/// lanes (AMD Zen 4) and 32 with 8, knots of 55 and 90, 285 spheres and 200 to 290.
-pub const MAX_LIST_COST: usize = 240;
-
-/// The cost of testing every primitive for a ray, in tests of a sphere.
-pub fn list_cost(scene: &Scene) -> usize {
-    scene.first_triangle() + TRIANGLE_COST * scene.triangles.len()
-}
-
-/// The features that traversal adds to those of [`Features::of`]: [`Features::HIERARCHY`] above
-/// [`MAX_LIST_COST`].
+/// Returns the features that traversal adds to those of [`Features::of`]: [`Features::HIERARCHY`] where
+/// [`list_cost`] is above [`MAX_LIST_COST`].
 pub fn features_of(scene: &Scene) -> Features {
-    if list_cost(scene) > MAX_LIST_COST { Features::HIERARCHY } else { Features::NONE }
+    let cost = list_cost(scene.spheres.len(), scene.triangles.len());
+    if cost > MAX_LIST_COST { Features::HIERARCHY } else { Features::NONE }
 }
 
 /// The methods of a rendering. The defaults are robust: they hold where others fail.
@@ -84,12 +83,16 @@ impl TraversalChoice {
         names
     };
 
-    /// As the command line, view files and reports spell it.
+    /// Returns the name that the command line, view files and reports use.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
             Self::Linear => "linear",
-            Self::Through(traversal) => traversal.name(),
+            Self::Through(Traversal::Scalar) => "scalar",
+            Self::Through(Traversal::Single) => "single",
+            Self::Through(Traversal::Packet) => "packet",
+            Self::Through(Traversal::Stream) => "stream",
+            Self::Through(Traversal::Hybrid) => "hybrid",
         }
     }
 }
@@ -106,7 +109,17 @@ impl Choice for TraversalChoice {
         match self {
             Self::Auto => "Linear in small scenes, else hybrid (scalar with --lanes 1).",
             Self::Linear => "Every primitive is tested.",
-            Self::Through(traversal) => traversal.about(),
+            Self::Through(Traversal::Scalar) => {
+                "One ray at a time through the binary tree, without SIMD: the baseline, and used by --lanes 1."
+            }
+            Self::Through(Traversal::Single) => {
+                "One ray at a time against the boxes of a node, or the primitives of a leaf, at once."
+            }
+            Self::Through(Traversal::Packet) => {
+                "Tiles of camera rays in a frustum; other rays as `stream` traces them."
+            }
+            Self::Through(Traversal::Stream) => "Many rays together down the tree.",
+            Self::Through(Traversal::Hybrid) => "The traversal that measured fastest for the rays at hand.",
         }
     }
 }
@@ -114,6 +127,31 @@ impl Choice for TraversalChoice {
 serde_by_name!(TraversalChoice);
 
 impl Methods {
+    /// Builds the structure of a scene for packets of `lanes` rays. Shadow rays run to `lights`.
+    pub fn structure(&self, scene: &Scene, geometry: &Geometry, lanes: usize, lights: &Lights) -> Structure {
+        let structure = match self.traversal_of(scene, lanes) {
+            Some(traversal) => Structure::tree(geometry, traversal),
+            None => Structure::list(geometry, self.tests(), lanes),
+        };
+        // The sky lies behind all walls, and with vertex normals, rays start above the triangles.
+        let has_targets = !lights.is_empty() && lights.sky.is_none() && scene.normals.is_empty();
+        if has_targets && self.keep_to_their_primitives() {
+            return structure.with_targets(geometry, |number| lights.probabilities[number] > 0.0);
+        }
+        structure
+    }
+    /// Returns the intersection methods of a list.
+    pub fn tests(&self) -> (SphereTest, TriangleTest) {
+        let sphere = match self.sphere {
+            SphereChoice::Robust => SphereTest::Robust,
+            SphereChoice::Naive => SphereTest::Naive,
+        };
+        let triangle = match self.triangle {
+            TriangleChoice::Woop => TriangleTest::Woop,
+            TriangleChoice::MollerTrumbore => TriangleTest::MollerTrumbore,
+        };
+        (sphere, triangle)
+    }
     /// The traversal of a scene's hierarchy at a width of 1, or of 8 and more; `None` where every primitive
     /// is tested.
     pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {

@@ -4,7 +4,7 @@ use super::bounds::Bounds;
 use super::cost::LEAF_COST;
 use super::node::{Child, LEAF, Leaf, MAX_DEPTH, WIDE};
 use super::tree::Bvh;
-use crate::scene::Scene;
+use crate::geometry::Geometry;
 use serde::Serialize;
 
 /// Statistics of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surface
@@ -48,10 +48,10 @@ struct Validator<'a, F> {
 
 type Checked<T> = Result<T, String>;
 
-/// [`check`] for a scene's hierarchy.
-pub fn check_scene(bvh: &Bvh, scene: &Scene) -> Checked<Statistics> {
-    let bounds = |number| Bounds::new(scene.primitive(number).bounds());
-    check(bvh, scene.first_triangle(), scene.primitives(), bounds)
+/// Runs [`check`] on the hierarchy over all primitives of a geometry.
+pub fn check_geometry(bvh: &Bvh, geometry: &Geometry) -> Checked<Statistics> {
+    let bounds = |number| Bounds::new(geometry.shape(number).bounds());
+    check(bvh, geometry.spheres.len(), geometry.len(), bounds)
 }
 
 /// Checks the hierarchy over `count` primitives (`quadrics` quadrics first) with the given boxes: its

@@ -6,8 +6,8 @@
 
 use super::leaf::TriangleLeaf;
 use crate::bvh::{Bvh, LEAF, Leaf};
+use crate::geometry::Geometry;
 use crate::lane::{Bits, Lane, Mask, Native, NativeBits, U32x16, prefetch};
-use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
@@ -144,12 +144,11 @@ enum Stored<'a> {
 
 impl TriangleLeaves {
     /// `None` takes the layout that suits the hierarchy.
-    pub fn new(scene: &Scene, bvh: &Bvh, layout: Option<Layout>) -> Self {
+    pub fn new(geometry: &Geometry, bvh: &Bvh, layout: Option<Layout>) -> Self {
         let leaves = bvh.triangle_leaves.as_slice();
-        let first = scene.first_triangle();
-        let corners_of = |primitive: u32| {
-            scene.triangles[primitive as usize - first].vertices.map(|vertex| vertex.to_array())
-        };
+        let first = geometry.spheres.len();
+        let corners_of =
+            |primitive: u32| geometry.triangles[primitive as usize - first].map(|vertex| vertex.to_array());
         let full = |leaf: &Leaf| {
             let mut full = TriangleLeaf { primitives: *leaf, ..TriangleLeaf::EMPTY };
             for (lane, &primitive) in leaf.primitives().iter().enumerate() {

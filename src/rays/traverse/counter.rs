@@ -104,9 +104,9 @@ impl AddAssign for Counts {
 pub struct Counter(Cell<Counts>);
 
 impl Counter {
-    /// What was counted so far.
-    pub fn get(&self) -> Counts {
-        self.0.get()
+    /// Returns what was counted so far, and counts from 0 again.
+    pub fn take(&self) -> Counts {
+        self.0.take()
     }
     fn primitives(&self, leaf: Child, steps: usize, tests: usize) {
         if leaf.is_quadrics() {

@@ -1,4 +1,4 @@
-//! The bounding volume hierarchy over a scene's quadrics and triangles: how it is built, and what traversals
+//! The bounding volume hierarchy over quadrics and triangles: how it is built, and what traversals
 //! read.
 //!
 //! | file | what it does |

@@ -1,5 +1,6 @@
 //! Rays and hits as columns: what every traversal reads and writes.
 
+use super::candidates::Candidates;
 use super::precalculated::SingleRay;
 use crate::kernel::ray_box::Padding;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
@@ -10,10 +11,11 @@ use std::ops::Range;
 #[derive(Clone, Copy)]
 pub struct Rays<'a> {
     origin: Origin<'a>,
-    /// x, y and z of their directions, of unit length unless [`super::Tracer::trace`] traces them.
+    /// x, y and z of their directions, of unit length but for queries in the coordinates of the world.
     pub direction: [&'a [f32]; 3],
     /// Hits from here on do not count; without it, all do. A ray with NaN, 0 or less hits nothing.
     t_max: Option<&'a [f32]>,
+    candidates: Option<&'a Candidates>,
     count: usize,
 }
 
@@ -45,11 +47,23 @@ fn load<L: Lane>([x, y, z]: &[&[f32]; 3], at: usize) -> Vec3<L> {
 impl<'a> Rays<'a> {
     /// As many rays as the columns are long.
     pub fn new(origin: [&'a [f32]; 3], direction: [&'a [f32]; 3]) -> Self {
-        Self { origin: Origin::Each(origin), direction, t_max: None, count: direction[0].len() }
+        Self {
+            origin: Origin::Each(origin),
+            direction,
+            t_max: None,
+            candidates: None,
+            count: direction[0].len(),
+        }
     }
     /// The same from one origin.
     pub fn from_one(origin: glam::Vec3, direction: [&'a [f32]; 3]) -> Self {
-        Self { origin: Origin::Common(origin), direction, t_max: None, count: direction[0].len() }
+        Self {
+            origin: Origin::Common(origin),
+            direction,
+            t_max: None,
+            candidates: None,
+            count: direction[0].len(),
+        }
     }
     /// The first `count` rays of longer columns. A [`super::List`] reads and writes whole packets: there the
     /// columns of rays and hits go on to the end of the last one.
@@ -59,6 +73,15 @@ impl<'a> Rays<'a> {
     /// The same rays, ending at these t_max.
     pub fn until(self, t_max: &'a [f32]) -> Self {
         Self { t_max: Some(t_max), ..self }
+    }
+    /// Returns the same rays with all primitives that they can hit, if those are known. Only
+    /// [`super::Structure::accepts_candidates`] reads them.
+    pub fn among(self, candidates: Option<&'a Candidates>) -> Self {
+        Self { candidates, ..self }
+    }
+    /// Returns all primitives that the rays can hit, if those are known.
+    pub(super) fn candidates(&self) -> Option<&'a Candidates> {
+        self.candidates
     }
     /// The number of rays.
     pub fn len(&self) -> usize {
@@ -106,7 +129,7 @@ impl<'a> Rays<'a> {
             common => common,
         };
         let t_max = self.t_max.map(|column| &column[range.clone()]);
-        Self { origin, direction: columns(self.direction), t_max, count: range.len() }
+        Self { origin, direction: columns(self.direction), t_max, count: range.len(), ..*self }
     }
 }
 

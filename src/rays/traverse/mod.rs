@@ -2,14 +2,14 @@
 //!
 //! | file | traversal |
 //! |---|---|
-//! | `list` | every primitive is tested, of primary rays those that their tile can see, of shadow rays the [`Occluders`] |
+//! | `list` | every primitive is tested, or the [`Candidates`] of the rays |
 //! | [`scalar`] | one ray on the binary tree, one box and one primitive at a time: the baseline |
 //! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
-//! | `tree` | the choice between those of the hierarchy |
 //!
-//! [`Primitives`] asks them. They share [`hierarchy`] (nodes and leaves),
+//! A [`Structure`] holds the list or the hierarchy, and a [`Tracer`] answers queries by it. Traversals share
+//! [`hierarchy`] (nodes and leaves),
 //! `leaf` (how rays intersect triangles), `quadrics` (all else), `compact` (the leaves of large hierarchies),
 //! `precalculated` (rays ready for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and
 //! [`counter`], which counts the tests.
@@ -17,33 +17,29 @@
 //! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
 //! quadrics first, then triangles, the nearest t winning and the lower index on a tie.
 
+pub mod candidates;
 mod compact;
 pub mod counter;
 pub mod frustum;
 pub mod hierarchy;
 mod leaf;
 mod list;
-mod methods;
 mod occluders;
 mod precalculated;
-mod primitive_list;
-mod primitives;
 mod quadrics;
 pub mod rays;
 pub mod scalar;
 pub mod single;
 pub mod stack;
 pub mod stream;
+mod structure;
 pub mod tile;
-mod tree;
+mod tracer;
 
+pub use candidates::Candidates;
 pub use compact::Layout;
-pub use list::List;
-pub use methods::{MAX_LIST_COST, TRIANGLE_COST, features_of, list_cost};
-pub use methods::{Methods, TraversalChoice, TriangleChoice};
-pub use occluders::Occluders;
+pub use list::{List, TriangleTest};
 pub use precalculated::{Packet, SingleRay};
-pub use primitive_list::PrimitiveList;
-pub use primitives::Primitives;
-pub use quadrics::SphereChoice;
-pub use tree::{Tracer, Traversal};
+pub use quadrics::SphereTest;
+pub use structure::{MAX_LIST_COST, Structure, TRIANGLE_COST, list_cost};
+pub use tracer::{Tracer, Traversal};

@@ -1,0 +1,62 @@
+//! The tracing core of octray: which primitive does a ray hit first, and does it hit any?
+//!
+//! A [`Structure`] is built once from a [`Geometry`] and shared by all threads. Each thread has a [`Tracer`],
+//! which owns the working memory, and answers two questions over columns of rays: [`Tracer::closest`] and
+//! [`Tracer::occluded`]. This package knows primitives by their geometry alone.
+//!
+//! ```
+//! use octray_rays::{Geometry, Hits, MISS, Rays, Sphere, Structure, Tracer};
+//!
+//! let sphere = Sphere { center: glam::Vec3::new(0.0, 0.0, -5.0), radius: 1.0 };
+//! let structure = Structure::new(&Geometry { spheres: vec![sphere], ..Geometry::default() });
+//! // Two rays from the origin: one along −z and one along +y.
+//! let (zero, direction) = ([0.0; 2], [[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]);
+//! let rays = Rays::new([&zero; 3], direction.each_ref().map(|column| &column[..]));
+//! let (mut t, mut primitive, mut u, mut v) = ([f32::INFINITY; 2], [MISS; 2], [0.0; 2], [0.0; 2]);
+//! let mut hits = Hits { t: &mut t, primitive: &mut primitive, u: &mut u, v: &mut v };
+//! Tracer::new().closest(&structure, &rays, &mut hits);
+//! assert_eq!((t[0], primitive), (4.0, [0, MISS]));
+//! ```
+//!
+//! # Compile for the processor
+//! A package is compiled for the least processor of its target, on x86-64 for SSE2, and then this one runs at
+//! half the speed or less. Put `rustflags = ["-C", "target-cpu=native"]` under `[build]` into
+//! `.cargo/config.toml` of your package; [`lane::INSTRUCTIONS`] says which instructions were compiled for.
+//!
+//! # Modules
+//! Each imports only from those above it.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`lane`] | width as a type: `f32`, `F32x8`, `F32x16` behind one trait; elementary functions |
+//! | [`math`] | vectors, rays, hits and view frusta; bounds of rounding error |
+//! | [`coordinates`] | the coordinates of the world and those of a structure |
+//! | [`kernel`] | equations of rays with boxes, spheres and triangles; points on surfaces |
+//! | [`geometry`] | the primitives: spheres and triangles |
+//! | [`bvh`] | the bounding volume hierarchy: built and checked |
+//! | [`traverse`] | closest hit and any hit, by a list or through the hierarchy |
+//!
+//! # Laws
+//! - **Every traversal gives the same hit**, bit for bit, as testing every primitive in order, spheres first,
+//!   then triangles. The nearest t wins, and the lower index on a tie.
+//! - **Width is a type.** An equation is written once over [`lane::Lane`] and runs at widths 1, 8 and 16.
+//! - **Culling is conservative.** A test is skipped only where it finds no hit.
+//! - **Kernels are pure.** Values in, (mask, values) out: they allocate nothing and never panic.
+//! - **Safe.** [`lane`] has the only `unsafe` blocks, for a few instructions.
+
+#![deny(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod bvh;
+pub mod coordinates;
+pub mod geometry;
+pub mod kernel;
+pub mod lane;
+pub mod math;
+pub mod traverse;
+
+pub use coordinates::Coordinates;
+pub use geometry::{Geometry, Shape, Sphere};
+pub use math::MISS;
+pub use traverse::rays::{Hits, Rays};
+pub use traverse::{Structure, Tracer, Traversal};

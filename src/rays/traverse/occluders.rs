@@ -1,0 +1,120 @@
+//! The primitives that can lie between surfaces and targets, such as the lights of a room.
+//!
+//! Segments run from surfaces to targets. A triangle's plane with all surfaces on one side, such as a room's
+//! wall, comes between no two points of them; nor does one that holds all targets, nor a sphere with
+//! everything inside. In rooms with few other surfaces that leaves few tests.
+
+use super::candidates::Candidates;
+use super::hierarchy::Hierarchy;
+use super::structure::{MAX_LIST_COST, list_cost};
+use crate::bvh::Trees;
+use crate::geometry::{Geometry, Shape, Sphere};
+use glam::DVec3;
+
+/// How far beyond a plane or sphere a surface may reach that counts as on its near side, as a multiple of the
+/// largest coordinate, of a target its own: what rounding of a wall's vertices does to its plane. Rays leave
+/// surfaces four times as far above them ([`crate::kernel::surface::triangle_offset`]).
+const TOLERANCE: f64 = 4.0 * (f32::EPSILON / 2.0) as f64;
+
+/// The primitives that can lie between a surface and a target, where some cannot.
+///
+/// Every traversal leaves out the others: a ray that starts a rounding error behind a wall, as some do in
+/// corners, would hit it and must not in one traversal alone.
+pub(super) struct Occluders {
+    /// For a list.
+    pub candidates: Candidates,
+    /// For the traversals of a hierarchy.
+    pub hierarchy: Option<Hierarchy>,
+}
+
+impl Occluders {
+    /// Finds the occluders of a geometry, which may have a `hierarchy`; `None` if every primitive may be one.
+    ///
+    /// They are found only where testing all primitives would be fast, up to [`MAX_LIST_COST`], which bounds
+    /// the time for it, too.
+    pub fn find(
+        geometry: &Geometry,
+        is_target: impl Fn(usize) -> bool,
+        hierarchy: Option<(&Hierarchy, Trees)>,
+    ) -> Option<Self> {
+        if list_cost(geometry.spheres.len(), geometry.triangles.len()) > MAX_LIST_COST {
+            return None;
+        }
+        let (mut candidates, surfaces) = (Candidates::default(), Surfaces::new(geometry, is_target));
+        let may_occlude = |number: usize, shape: Shape| surfaces.may_occlude(number, shape);
+        candidates.keep(geometry, may_occlude);
+        (candidates.len() < geometry.len()).then(|| {
+            let hierarchy = hierarchy.map(|(all, trees)| {
+                // Hits are clamped to padded boxes: the padding of the whole scene gives the same bits.
+                let mut kept = Hierarchy::new(&geometry.only(may_occlude), trees);
+                kept.padding = all.padding;
+                kept
+            });
+            Self { candidates, hierarchy }
+        })
+    }
+}
+
+/// Points and spheres between which segments run.
+struct Surfaces {
+    /// Centre and radius: of spheres, and 0 of a triangle's vertices. Whether it is of a target.
+    balls: Vec<(DVec3, f64, bool)>,
+    /// The sphere that is the only target.
+    only_target: Option<usize>,
+    /// The largest coordinate.
+    largest: f64,
+}
+
+impl Surfaces {
+    fn new(geometry: &Geometry, is_target: impl Fn(usize) -> bool) -> Self {
+        let mut balls = Vec::new();
+        for (number, shape) in geometry.shapes().enumerate() {
+            balls.extend(shape.balls().map(|(center, radius)| (center, radius, is_target(number))));
+        }
+        let largest = balls.iter().map(|(center, radius, _)| center.abs().max_element() + radius);
+        let mut targets = (0..geometry.len()).filter(|&number| is_target(number));
+        let only = targets.next().filter(|_| targets.next().is_none());
+        Self {
+            only_target: only.filter(|&number| number < geometry.spheres.len()),
+            largest: largest.fold(0.0, f64::max),
+            balls,
+        }
+    }
+
+    /// [`TOLERANCE`] in units of the scene.
+    fn tolerance(&self, (center, radius, is_target): (DVec3, f64, bool)) -> f64 {
+        TOLERANCE * if is_target { center.abs().max_element() + radius } else { self.largest }
+    }
+
+    /// Returns whether a primitive may come between a surface and a target.
+    fn may_occlude(&self, number: usize, shape: Shape) -> bool {
+        match shape {
+            Shape::Sphere(sphere) => self.only_target != Some(number) && !self.are_inside(sphere),
+            Shape::Triangle(vertices) => self.may_separate(vertices),
+        }
+    }
+
+    /// Whether a sphere has all surfaces inside: it is convex, so that no ray between them leaves it.
+    fn are_inside(&self, sphere: Sphere) -> bool {
+        let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
+        self.balls.iter().all(|&ball| ball.0.distance(center) + ball.1 <= radius + self.tolerance(ball))
+    }
+
+    /// Returns whether some surface and some target lie on different sides of a triangle's plane.
+    fn may_separate(&self, vertices: [glam::Vec3; 3]) -> bool {
+        let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+        let normal = (b - a).cross(c - a).normalize();
+        // By side: whether any surface reaches there, and any target.
+        let (mut surfaces, mut targets) = ([false; 2], [false; 2]);
+        for &ball in &self.balls {
+            let ((center, radius, is_target), tolerance) = (ball, self.tolerance(ball));
+            let distance = normal.dot(center - a);
+            for (side, reach) in [radius - distance, radius + distance].into_iter().enumerate() {
+                let reaches = reach > tolerance;
+                surfaces[side] |= reaches;
+                targets[side] |= reaches && is_target;
+            }
+        }
+        surfaces[0] && targets[1] || surfaces[1] && targets[0]
+    }
+}

@@ -1,0 +1,316 @@
+//! Queries: closest hit and any hit, of whole batches of rays.
+
+use super::candidates::Candidates;
+use super::counter::{Counter, CounterSink, Counts};
+use super::hierarchy::Hierarchy;
+use super::list::List;
+use super::precalculated::SingleRay;
+use super::rays::{Hits, Rays};
+use super::stack::Stack;
+use super::stream::Stream;
+use super::structure::{Primitives, Structure};
+use super::tile::{self, Packets, TILE};
+use super::{scalar, single};
+use crate::bvh::Trees;
+use crate::coordinates::Coordinates;
+use crate::lane::{F32x8, F32x16, NATIVE_WIDTH};
+use crate::math::{Hit, MISS, Ray};
+
+/// A traversal of the hierarchy. All give the same hits, bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Traversal {
+    /// One ray at a time through the binary tree, without SIMD: the baseline.
+    Scalar,
+    /// One ray at a time against the boxes of a node, or the primitives of a leaf, at once.
+    Single,
+    /// Tiles of camera rays in a frustum; other rays as [`Traversal::Stream`] traces them.
+    Packet,
+    /// Many rays together down the tree.
+    Stream,
+    /// The traversal that measured fastest for the rays at hand.
+    #[default]
+    Hybrid,
+}
+
+impl Traversal {
+    /// All traversals, the baseline first.
+    pub const ALL: [Self; 5] = [Self::Scalar, Self::Single, Self::Packet, Self::Stream, Self::Hybrid];
+
+    /// Returns the number of lanes that it works with.
+    pub fn lanes(self) -> usize {
+        if self == Self::Scalar { 1 } else { NATIVE_WIDTH }
+    }
+    /// Returns the trees that it reads.
+    pub fn trees(self) -> Trees {
+        if self == Self::Scalar { Trees::WideAndBinary } else { Trees::Wide }
+    }
+}
+
+/// The working memory of one thread, which answers queries.
+///
+/// Queries improve hits: a ray ends at its t_max ([`Rays::until`]), or at the `t` that its hit comes with if
+/// that is less. A ray that hits nothing keeps its `primitive`.
+#[derive(Default)]
+pub struct Tracer {
+    memory: Memory,
+    counter: Option<Counter>,
+}
+
+/// The memory of the traversals.
+#[derive(Default)]
+struct Memory {
+    stack: Stack,
+    /// Two MiB, allocated at first use.
+    stream: Option<Box<Stream>>,
+}
+
+impl Tracer {
+    /// Allocates nothing until it is first used.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Finds the closest hit of each ray, in the coordinates of the world ([`Coordinates`]). Directions may
+    /// have any length above 0, in which `t` counts; other directions hit nothing.
+    pub fn closest(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        self.in_world::<false>(structure, rays, hits);
+    }
+
+    /// Finds out which rays hit anything, in the coordinates of the world: there `primitive` is not
+    /// [`MISS`]. All else in the hits is unspecified. Rays are tested against all primitives, whatever
+    /// [`Structure::with_targets`] said.
+    pub fn occluded(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        self.in_world::<true>(structure, rays, hits);
+    }
+
+    /// Traces copies of the rays in the coordinates of the structure, with directions of unit length.
+    fn in_world<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        let Coordinates { unit, .. } = structure.coordinates();
+        let (mut columns, mut ends) = ([const { Vec::new() }; 6], Vec::new());
+        for at in 0..rays.len() {
+            let Ray { origin, direction } = rays.packet::<f32>(at);
+            let origin = structure.coordinates().to_scene(origin.get(0).into()).as_vec3().to_array();
+            let direction = direction.get(0).as_dvec3();
+            let length = Some(direction.length()).filter(|length| (length - 1.0).abs() > 1e-6).unwrap_or(1.0);
+            let of_ray = origin.into_iter().chain((direction / length).as_vec3().to_array());
+            columns.iter_mut().zip(of_ray).for_each(|(column, x)| column.push(x));
+            let (end, scale) = (rays.t_max::<f32>(at), length / unit);
+            let end = if end > hits.t[at] { hits.t[at] } else { end };
+            // A NaN, as of a direction of length 0, is no hit.
+            hits.t[at] = if length > 0.0 { (f64::from(end) * scale) as f32 } else { f32::NAN };
+            ends.push((end, hits.t[at], scale));
+        }
+        let [x, y, z, dx, dy, dz] = &columns;
+        self.improve::<ANY>(structure, &Rays::new([x, y, z], [dx, dy, dz]), hits);
+        for (at, (end, before, scale)) in ends.into_iter().enumerate() {
+            let is_new = hits.primitive[at] != MISS && hits.t[at] != before;
+            hits.t[at] = if is_new { (f64::from(hits.t[at]) / scale) as f32 } else { end };
+        }
+    }
+
+    /// Finds the closest hit of each ray up to its t_max, in the coordinates of the structure and with
+    /// directions of unit length; overwrites the hits. Rays that are [`Rays::among`] candidates hit no other
+    /// primitive. A list reads and writes whole packets: see [`Rays::first`].
+    pub fn closest_in_scene(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        let Self { memory, counter } = self;
+        match &structure.primitives {
+            Primitives::List(list) => {
+                trace_list(list, structure.lanes, rays, hits, rays.candidates(), counter.as_ref());
+            }
+            Primitives::Tree(tree, traversal) => {
+                hits.reset(rays);
+                memory.trace::<false>(*traversal, tree, rays, hits, counter.as_ref());
+            }
+        }
+    }
+
+    /// Finds out which rays hit anything, as [`Tracer::closest_in_scene`] does the closest hits. With
+    /// [`Structure::with_targets`], primitives that cannot lie between a surface and a target are left out.
+    pub fn occluded_in_scene(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        let Self { memory, counter } = self;
+        match &structure.primitives {
+            Primitives::List(list) => {
+                trace_list(list, structure.lanes, rays, hits, structure.occluders(), counter.as_ref());
+            }
+            Primitives::Tree(all, traversal) => {
+                let occluders = structure.occluders.as_ref().and_then(|few| few.hierarchy.as_ref());
+                hits.reset(rays);
+                memory.trace::<true>(*traversal, occluders.unwrap_or(all), rays, hits, counter.as_ref());
+            }
+        }
+    }
+
+    /// Finds the closest hits of rays one by one: to count each ray's tests, or for so few rays that nothing
+    /// is shared. The result is that of [`Tracer::closest_in_scene`].
+    pub fn closest_one_by_one(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        let Self { memory, counter } = self;
+        match &structure.primitives {
+            Primitives::List(list) => trace_list(list, 1, rays, hits, rays.candidates(), counter.as_ref()),
+            Primitives::Tree(tree, traversal) => {
+                let single = if *traversal == Traversal::Scalar { *traversal } else { Traversal::Single };
+                hits.reset(rays);
+                memory.trace::<false>(single, tree, rays, hits, counter.as_ref());
+            }
+        }
+    }
+
+    /// Improves the hits of rays in the coordinates of the structure, with directions of unit length. They
+    /// end at the `t` that their hits come with, and nowhere else. With `ANY`, each ray ends at the first hit
+    /// found: then only whether `primitive` is [`MISS`] is defined.
+    pub fn improve<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        let Self { memory, counter } = self;
+        match &structure.primitives {
+            Primitives::List(list) => improve_by_list(list, structure.lanes, rays, hits, counter.as_ref()),
+            Primitives::Tree(tree, traversal) => {
+                memory.trace::<ANY>(*traversal, tree, rays, hits, counter.as_ref());
+            }
+        }
+    }
+
+    /// [`Tracer::improve`] of a hierarchy by any traversal. Without a binary tree, [`Traversal::Scalar`] is
+    /// [`Traversal::Single`]: the hits are the same.
+    pub fn trace<const ANY: bool>(
+        &mut self,
+        traversal: Traversal,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+    ) {
+        self.memory.trace::<ANY>(traversal, hierarchy, rays, hits, self.counter.as_ref());
+    }
+
+    /// Counts the tests of boxes and primitives from now on, from 0.
+    pub fn start_counting(&mut self) {
+        self.counter = Some(Counter::default());
+    }
+
+    /// Stops counting.
+    pub fn stop_counting(&mut self) {
+        self.counter = None;
+    }
+
+    /// Returns the tests since the last call, or since counting began; nothing where tests are not counted.
+    pub fn take_counts(&mut self) -> Counts {
+        self.counter.as_ref().map(Counter::take).unwrap_or_default()
+    }
+}
+
+/// Runs [`List::trace`] in packets of `lanes` rays.
+fn trace_list(
+    list: &List,
+    lanes: usize,
+    rays: &Rays,
+    hits: &mut Hits,
+    candidates: Option<&Candidates>,
+    counter: Option<&Counter>,
+) {
+    match lanes {
+        1 => list.trace::<f32>(rays, hits, candidates, counter),
+        8 => list.trace::<F32x8>(rays, hits, candidates, counter),
+        _ => list.trace::<F32x16>(rays, hits, candidates, counter),
+    }
+}
+
+/// Improves hits by [`List::trace`] of whole packets, and one by one of the rays that are left.
+fn improve_by_list(list: &List, lanes: usize, rays: &Rays, hits: &mut Hits, counter: Option<&Counter>) {
+    let ends = hits.t[..rays.len()].to_vec();
+    let (before, rays) = (hits.primitive[..rays.len()].to_vec(), rays.until(&ends));
+    let packets = rays.len() - rays.len() % lanes;
+    for (range, lanes) in [(0..packets, lanes), (packets..rays.len(), 1)] {
+        trace_list(list, lanes, &rays.range(range.clone()), &mut hits.range(range), None, counter);
+    }
+    for (found, before) in hits.primitive.iter_mut().zip(before) {
+        *found = if *found == MISS { before } else { *found };
+    }
+}
+
+impl Memory {
+    fn trace<const ANY: bool>(
+        &mut self,
+        traversal: Traversal,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+        counter: Option<&Counter>,
+    ) {
+        match counter {
+            None => self.trace_counted::<ANY>(traversal, hierarchy, rays, hits, ()),
+            Some(counter) => self.trace_counted::<ANY>(traversal, hierarchy, rays, hits, counter),
+        }
+    }
+
+    #[inline(always)]
+    fn trace_counted<const ANY: bool>(
+        &mut self,
+        traversal: Traversal,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+        counter: impl CounterSink,
+    ) {
+        match traversal {
+            Traversal::Scalar if !hierarchy.bvh.binary.is_empty() => {
+                one_by_one(hierarchy, rays, hits, move |ray, hit| {
+                    scalar::trace::<ANY>(hierarchy, ray, hit, counter)
+                });
+            }
+            Traversal::Scalar | Traversal::Single => {
+                let stack = &mut self.stack;
+                one_by_one(hierarchy, rays, hits, move |ray, hit| {
+                    single::trace::<ANY>(hierarchy, ray, stack, hit, counter)
+                });
+            }
+            Traversal::Stream => self.stream().trace::<ANY>(hierarchy, rays, hits, counter),
+            Traversal::Packet => self.tiles::<ANY>(hierarchy, rays, hits, Packets::Always, counter),
+            Traversal::Hybrid => {
+                self.tiles::<ANY>(hierarchy, rays, hits, Packets::WherePaying, counter);
+            }
+        }
+    }
+
+    /// Tiles for which there is a frustum as packets; the others, as far as they follow each other, in
+    /// streams.
+    fn tiles<const ANY: bool>(
+        &mut self,
+        hierarchy: &Hierarchy,
+        rays: &Rays,
+        hits: &mut Hits,
+        packets: Packets,
+        counter: impl CounterSink,
+    ) {
+        let mut left = 0..0;
+        let tiles = (0..rays.len()).step_by(TILE).map(|first| first..rays.len().min(first + TILE));
+        for tile in tiles {
+            let is_done = !ANY && {
+                let (rays, hits) = (&rays.range(tile.clone()), &mut hits.range(tile.clone()));
+                tile::trace(hierarchy, rays, hits, &mut self.stack, packets, counter)
+            };
+            if is_done {
+                let (rays, hits) = (&rays.range(left.clone()), &mut hits.range(left));
+                self.stream().trace::<ANY>(hierarchy, rays, hits, counter);
+                left = tile.end..tile.end;
+            } else {
+                left.end = tile.end;
+            }
+        }
+        let (rays, hits) = (&rays.range(left.clone()), &mut hits.range(left));
+        self.stream().trace::<ANY>(hierarchy, rays, hits, counter);
+    }
+
+    fn stream(&mut self) -> &mut Stream {
+        self.stream.get_or_insert_with(Box::default)
+    }
+}
+
+fn one_by_one(
+    hierarchy: &Hierarchy,
+    rays: &Rays,
+    hits: &mut Hits,
+    mut trace: impl FnMut(&SingleRay, &mut Hit<f32>),
+) {
+    for at in 0..rays.len() {
+        let mut hit = hits.get(at);
+        trace(&rays.single(at, hierarchy.padding), &mut hit);
+        hits.set(at, &hit);
+    }
+}

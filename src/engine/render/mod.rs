@@ -24,8 +24,8 @@ use rayon::prelude::*;
 /// Limit on primitives times tiles for which [`Candidates`] are found: some tens of milliseconds. With
 /// more, linear traversal is too slow to render with anyway.
 const MAX_CULLING_TESTS: usize = 4_000_000;
-/// Limit on primitives for which they are found again for every frame of a moving camera. Finding them takes 1 to
-/// 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.
+/// Limit on primitives for which they are found again for every frame of a moving camera. Finding them takes
+/// 1 to 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.
 const MAX_CULLED_MOVING: usize = 256;
 
 /// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there

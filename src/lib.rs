@@ -20,6 +20,7 @@
 //! |---|---|
 //! | [`rays`] (`octray-rays`) | the tracing core: closest hit and any hit of rays |
 //! | [`octray_engine`] | from a scene to a film: see its front page for the architecture |
+//! | [`octray_display`] | [`display`]: filters for the screen and the charts |
 //! | [`octray_formats`] | [`scene`] files, [`output`] files, [`mod@checkpoint`] files, [`wording`] |
 //! | `octray_viewer` | `viewer` (feature `viewer`) |
 //! | [`octray_laboratory`] | [`mod@reference`], [`measure`], [`methods`] |
@@ -37,36 +38,14 @@
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //! | picture file | the displayed or linear picture | [`output`] |
 //!
-//! # Modules, each importing only those above it
+//! # Modules of this package
+//! Each imports only those above it.
+//!
 //! | module | what it holds |
 //! |---|---|
-//! | [`lane`] | width as a type: `f32`, `F32x8` and `F32x16` behind one trait, with the elementary functions |
-//! | [`math`] | vectors, rays and hits of lanes; rounding error bounds |
-//! | [`mod@choice`] | named alternatives that the command line, view files and reports share |
-//! | [`wording`] | numbers and nouns in text |
-//! | [`sampling`] | random numbers and Sobol points as functions of (seed, pixel, sample, dimension); warps |
-//! | [`kernel`] | intersection, scattering, texture lookup: several methods side by side |
-//! | [`scene`] | scene, view, model and texture files; the validated scene |
-//! | [`path_vertex`] | the vertices of one path as data |
-//! | [`buffers`] | the scene as flat buffers, and its features |
-//! | [`bvh`] | the bounding volume hierarchy: build and check |
-//! | [`camera`] | from pixels to primary rays |
-//! | [`traverse`] | closest-hit and any-hit queries |
-//! | [`integrate`] | the wavefront path integrator: stages over queues |
-//! | [`mod@reference`] | the reference: f64, one ray and one object at a time, without kernels |
-//! | [`threads`] | worker threads with working memory of their own |
-//! | [`film`], [`adaptive`] | sums of samples; adaptive sampling by blocks |
-//! | [`render`], [`tone`], [`output`] | tiles on threads; tone mapping; picture files |
-//! | [`mod@checkpoint`] | the sums of a film as a file: to resume, and to join shards |
-//! | [`display`] | filters between film and window: antialiasing, denoising, temporal reprojection |
-//! | [`methods`] | intersection methods that are charted and never render |
-//! | [`measure`] | measurements: speed, SIMD against scalar, accuracy, stability |
 //! | [`machine`] | the machine and build of a figure |
 //! | [`report`] | figures as text, JSON, CSV, SVG and HTML |
-//! | `viewer` | the front ends: terminal (feature `viewer`), window (feature `window`) |
 //! | [`cli`] | commands, their options and help |
-//!
-//! `tests/laws/architecture/mod.rs` checks this order.
 //!
 //! # Laws
 //! - **One picture.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and
@@ -86,8 +65,9 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub use octray_display as display;
 pub use octray_engine::{
-    adaptive, buffers, bvh, camera, choice, diagnosis, display, film, integrate, kernel, lane, math,
+    adaptive, buffers, bvh, camera, choice, diagnosis, film, integrate, kernel, lane, math,
     path_vertex, rays, render, sampling, threads, tone, traverse,
 };
 pub use octray_formats::{checkpoint, output, scene, wording};

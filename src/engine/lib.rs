@@ -33,12 +33,13 @@
 //! | [`scene`] | what a scene is |
 //! | [`path_vertex`] | the vertices of one path as data |
 //! | [`buffers`] | the scene flattened; the features it uses |
+//! | [`light_sampling`] | light sampling: chooses a light, samples directions of the environment |
 //! | [`camera`] | raster space to primary rays |
 //! | [`integrate`] | the path estimator, as stages over queues |
 //! | [`threads`] | worker threads, each with its own working memory |
 //! | [`film`], [`adaptive`] | sums of samples; when a block of pixels has enough of them |
 //! | [`render`] | tiles and threads: a scene's film |
-//! | [`tone`], [`display`] | tone mapping; denoising, antialiasing and reprojection while the camera moves |
+//! | [`tone`] | tone mapping |
 //! | [`diagnosis`] | why a picture is black or lacks light |
 //!
 //! # Laws
@@ -62,7 +63,6 @@ pub mod buffers;
 pub mod camera;
 pub mod choice;
 pub mod diagnosis;
-pub mod display;
 pub mod film;
 pub mod integrate;
 pub mod kernel;

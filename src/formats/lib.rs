@@ -6,13 +6,15 @@
 //! film::Film (engine)  <->  checkpoint::save, checkpoint::Checkpoint
 //! ```
 //!
+//! Each module imports only those above it.
+//!
 //! | module | what it does |
 //! |---|---|
+//! | [`wording`] | numbers and nouns as text |
+//! | [`openexr`] | OpenEXR, read (textures) and written (pictures) |
 //! | [`scene`] | scene files, models and views into a valid [`scene::Scene`]; views and native files out |
 //! | [`output`] | a picture as PNG, JPEG, EXR or HDR; files that are complete or absent |
 //! | [`checkpoint`] | the sums of a film, whole or a shard of it, written and read bit by bit |
-//! | [`openexr`] | OpenEXR, read (textures) and written (pictures) |
-//! | [`wording`] | numbers and nouns as text |
 //!
 //! The package imports the engine's scene model ([`octray_engine::scene`]), its
 //! [`film`](octray_engine::film), its [`tone`](octray_engine::tone) mapping, and the choices that a view's

@@ -1,9 +1,9 @@
 //! The laboratory of octray: the f64 reference renderer, and the measurements of the engine's speed, accuracy
 //! and numerical robustness.
 //!
-//! It may import the engine. It must not know scene files, picture files, the command line, windows or
-//! reports: the program calls it, and the tests do. Every measurement returns plain values that serialise to
-//! JSON.
+//! It may import the engine and the display filters. It must not know scene files, picture files, the command
+//! line, windows or reports: the program calls it, and the tests do. Every measurement returns plain values
+//! that serialise to JSON.
 //!
 //! # Modules
 //! A module imports only from modules above it in this table; no two files import each other.
@@ -12,6 +12,7 @@
 //! |---|---|
 //! | [`mod@methods`] | intersection methods that are charted beside the engine's own |
 //! | [`mod@reference`] | path tracing in f64, one ray and one primitive at a time; shares no equation with the engine |
+//! | [`mod@measure`] | the measurements: |
 //! | [`measure::quantiles`] | medians, quantiles, spreads; rounds of a measurement |
 //! | `measure::errors`, [`measure::flip`] | image metrics: RMSE, relative MSE, FLIP |
 //! | [`measure::cores`] | pinned threads, and what other programs took of their time |
@@ -34,9 +35,11 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-// The engine's modules under the paths that they have in the program: `crate::film`, `crate::scene`.
+// The engine's modules and the display filters under the paths that they have in the program: `crate::film`,
+// `crate::scene`.
+use octray_display as display;
 use octray_engine::{
-    adaptive, buffers, camera, display, film, integrate, kernel, lane, math, path_vertex, rays, render,
+    adaptive, buffers, camera, film, integrate, kernel, lane, math, path_vertex, rays, render,
     sampling, scene, threads, tone, traverse,
 };
 

@@ -4,24 +4,25 @@
 //! own, and so does the loader. Events reach the render loop through a message queue; frames reach the front
 //! end through `frame::Exchange`, which swaps buffers.
 //!
+//! Each file imports only those above it.
+//!
 //! | file | what it does |
 //! |---|---|
-//! | `window`, `terminal` | the front ends |
-//! | `canvas`, `window_text`, `cell_buffer` | draw a frame: at another size; with its text, as pixels, as character cells |
-//! | `session`, `options` | starts the render loop and connects a front end to it; what it starts with |
+//! | [`frame`], `timing` | frames handed from the render loop to a front end; frame rates, latencies |
+//! | [`playlist`], `options` | the scenes to switch between; what the viewer starts with |
+//! | `camera_controller` | the camera as keys and mouse move it |
+//! | `display_mode`, `controls` | false-colour images instead of the picture; the settings that keys change |
 //! | [`keys`] | one table of keys, what they do, and the help |
 //! | [`state`] | the state machine: from events to camera, controls and effects |
-//! | `camera_controller` | the camera as keys and mouse move it |
-//! | `controls` | the settings that keys change |
-//! | [`playlist`] | the scenes to switch between |
-//! | `render_loop` | the thread that renders frames |
-//! | `accumulation`, `dynamic_resolution` | the film of the present pose, samples per frame; the resolution that holds a frame rate |
-//! | `loader`, `file_watcher` | the thread that loads scenes; changes of their files |
-//! | `painter` | from film to pixels: reprojection, filters, tone mapping |
-//! | `display_mode`, `minimap` | false-colour images instead of the picture; the scene from above |
-//! | `overlay`, `timing` | the text over the picture; frame rates, latencies |
+//! | `dynamic_resolution`, `accumulation` | the resolution that holds a frame rate; the film of the present pose, samples per frame |
+//! | `file_watcher`, `loader` | changes of scene files; the thread that loads scenes |
+//! | `minimap`, `painter` | the scene from above; from film to pixels: reprojection, filters, tone mapping |
 //! | `screenshot` | saves the film, and a view file that renders it again |
-//! | [`frame`] | frames handed from the render loop to a front end |
+//! | `overlay` | the text over the picture |
+//! | `render_loop` | the thread that renders frames |
+//! | `session` | starts the render loop and connects a front end to it |
+//! | `canvas`, `window_text`, `cell_buffer` | draw a frame: at another size; with its text, as pixels, as character cells |
+//! | `terminal`, `window` | the front ends |
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -7,7 +7,7 @@ use super::controls::{Controls, Filter};
 use super::display_mode::{self, DisplayMode};
 use super::frame::Frame;
 use super::minimap::Minimap;
-use octray_engine::display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
+use octray_display::{Blur, Denoiser, Fxaa, History, Samples, rows, walking_speed};
 use octray_engine::film::Picture;
 use octray_engine::integrate::aovs::{AovSample, Aovs};
 use octray_engine::integrate::edge_aovs::DenoiserAovs;

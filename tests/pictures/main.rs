@@ -3,6 +3,7 @@
 
 // The packages under one name, as the program's library shows them; the program itself is not needed.
 extern crate self as octray;
+pub use octray_display as display;
 pub use octray_engine::*;
 pub use octray_formats::scene;
 pub use octray_laboratory::{measure, reference};

@@ -17,8 +17,8 @@
 //! columns stay sharp.
 
 use super::rows;
-use crate::film::Picture;
-use crate::tone::Tone;
+use octray_engine::film::Picture;
+use octray_engine::tone::Tone;
 
 /// The least contrast of an edge relative to the largest luma nearby.
 const MIN_RELATIVE_CONTRAST: f32 = 0.125;

@@ -27,9 +27,9 @@ mod edges;
 mod planes;
 
 use super::rows;
-use crate::film::Picture;
-use crate::integrate::edge_aovs::DenoiserAovs;
-use crate::lane::{Bits, F32x8, Lane, Mask};
+use octray_engine::film::Picture;
+use octray_engine::integrate::edge_aovs::DenoiserAovs;
+use octray_engine::lane::{Bits, F32x8, Lane, Mask};
 use planes::{ALBEDO, GUIDES, Guide, MIN_ALBEDO, PAD, Task, UNFILTERED};
 
 pub use planes::Samples;

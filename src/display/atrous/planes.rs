@@ -1,11 +1,11 @@
 //! The filter's guide buffers (feature buffers), in planes from which whole packets of taps are loaded.
 
-use super::super::rows::packet;
-use crate::film::Picture;
-use crate::integrate::aovs::Plane;
-use crate::integrate::edge_aovs::DenoiserAovs;
-use crate::lane::{Bits, F32x8, Lane, Mask8};
-use crate::math::MISS;
+use crate::rows::packet;
+use octray_engine::film::Picture;
+use octray_engine::integrate::aovs::Plane;
+use octray_engine::integrate::edge_aovs::DenoiserAovs;
+use octray_engine::lane::{Bits, F32x8, Lane, Mask8};
+use octray_engine::math::MISS;
 
 type L = F32x8;
 type B = <L as Lane>::Bits;
@@ -62,7 +62,7 @@ pub const ALBEDO: [Plane; 3] = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::Alb
 pub enum Samples<'a> {
     /// The same number for all pixels.
     Same(u32),
-    /// One for each pixel, row by row from the top: [`crate::display::History::counts`].
+    /// One for each pixel, row by row from the top: [`crate::History::counts`].
     Each(&'a [f32]),
 }
 

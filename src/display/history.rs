@@ -25,12 +25,12 @@
 //! Schied et al., "Spatiotemporal Variance-Guided Filtering", HPG 2017.
 
 use super::rows;
-use crate::camera::Pinhole;
-use crate::film::Picture;
-use crate::integrate::aovs::{Aovs, Plane};
-use crate::lane::{F32x8, Lane, Mask, lane_indices};
-use crate::math::{MISS, Vec3};
 use glam::{Vec3A, Vec4};
+use octray_engine::camera::Pinhole;
+use octray_engine::film::Picture;
+use octray_engine::integrate::aovs::{Aovs, Plane};
+use octray_engine::lane::{F32x8, Lane, Mask, lane_indices};
+use octray_engine::math::{MISS, Vec3};
 
 /// Lanes of the projection.
 type L = F32x8;

@@ -6,7 +6,7 @@
 //! film's mean takes over as the samples grow, which cover the pixel better than the points do.
 
 use super::planes::{ALBEDO, Guide, MIN_ALBEDO, NORMALS, PAD, Task};
-use crate::integrate::edge_aovs::{EDGE_POINTS, EdgeSample, POINTS};
+use octray_engine::integrate::edge_aovs::{EDGE_POINTS, EdgeSample, POINTS};
 
 /// The weight of pixels that show several objects, as taps, at a fraction of a sample: their light is that of
 /// one object or another.

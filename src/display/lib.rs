@@ -1,10 +1,23 @@
-//! Filters between a film and the display: anti-aliasing, denoising, and temporal reprojection while the
-//! camera moves.
+//! octray's display filters, from a film's picture to the picture that is shown: denoising, anti-aliasing,
+//! and temporal reprojection while the camera moves. The viewer and the charts use them.
 //!
-//! Pictures in, pictures out, in linear radiance: for display only, never back into a film. Each filter keeps
+//! A filter turns a picture into a picture, in linear radiance, and never changes a film. Each filter keeps
 //! its working memory and allocates nothing after the first picture of a size. Rows are filtered in parallel
-//! inside a pool of threads, such as [`crate::render::Renderer::on_threads`] provides, and one after the
-//! other outside of one; the bits are the same.
+//! inside a pool of threads, such as [`octray_engine::render::Renderer::on_threads`] provides, and one after
+//! the other outside of one; the bits are the same.
+//!
+//! The package imports the engine: its film, its AOVs and its lanes. The engine does not know this package.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`rows`] | loops over rows of pixels, in parallel inside a pool of threads |
+//! | `blur` | [`Blur`]: the 3×3 blur of the thesis |
+//! | `fxaa` | [`Fxaa`]: anti-aliasing of converged pictures |
+//! | `atrous` | [`Denoiser`]: the edge-avoiding à-trous filter |
+//! | `history` | [`History`]: reprojects and accumulates the frames of a moving camera |
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 mod atrous;
 mod blur;
@@ -17,7 +30,7 @@ pub use blur::Blur;
 pub use fxaa::Fxaa;
 pub use history::History;
 
-use crate::integrate::aovs::{Aovs, Plane};
+use octray_engine::integrate::aovs::{Aovs, Plane};
 
 /// The share of the lower quartile of depths that is covered in a second.
 const SHARE_A_SECOND: f32 = 0.25;

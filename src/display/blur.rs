@@ -1,7 +1,7 @@
 //! A 3×3 blur.
 
 use super::rows;
-use crate::film::Picture;
+use octray_engine::film::Picture;
 
 /// The blur of the bachelor's thesis on which octray is based: the mean of 3×3 pixels, the centre counted
 /// twice (their sum over 10). Coordinates are clamped to the border.

@@ -1,6 +1,6 @@
 //! Loops over rows of pixels, parallel inside a pool of threads.
 
-use crate::lane::{F32x8, Lane};
+use octray_engine::lane::{F32x8, Lane};
 use rayon::prelude::*;
 
 /// Outside of a pool, parallel iterators would start rayon's global one.

@@ -2,7 +2,7 @@
 
 use crate::choice::choices;
 use crate::film::Picture;
-use crate::scene::srgb_to_linear;
+use crate::scene::SRGB_BORDERS;
 use std::sync::LazyLock;
 
 /// Largest exposure in stops, up or down: past f32's own range in visible light.
@@ -65,24 +65,18 @@ impl Tone {
     }
 }
 
-/// The sRGB transfer function: from intensity to stored value, both in [0, 1]. Source: IEC 61966-2-1:1999.
-pub fn srgb_encode(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
-}
-
-/// The nearest of the 256 stored values for an intensity in [0, 1].
+/// Returns the nearest of the 256 sRGB bytes for an intensity in [0, 1].
 ///
-/// It is the number of borders at or below the intensity, a border being where the curve passes from one
-/// value's half to the next. A table by exponent and leading digits tells how many are below all intensities
-/// that share them, and one or two comparisons are left: no power, which matters for a window that shows a
-/// frame many times a second.
+/// It is the number of [`SRGB_BORDERS`] at or below the intensity. A table by exponent and leading digits
+/// holds how many are below all intensities that share them; one or two comparisons remain. No power is
+/// computed, which matters for a window that shows many frames a second.
 pub fn srgb_byte(linear: f32) -> u8 {
     static CURVE: LazyLock<Curve> = LazyLock::new(Curve::new);
     CURVE.byte(linear)
 }
 
 struct Curve {
-    /// The intensities between consecutive values, ascending; infinity at the end.
+    /// [`SRGB_BORDERS`], rounded; infinity at the end.
     borders: [f32; 256],
     /// Number of borders at or below the smallest float of each part.
     below: [u8; Self::PARTS],
@@ -97,10 +91,7 @@ impl Curve {
     const PARTS: usize = ((1.0f32.to_bits() - Self::LEAST.to_bits()) >> Self::SHIFT) as usize + 1;
 
     fn new() -> Self {
-        let border = |value: usize| match value {
-            255 => f32::INFINITY,
-            _ => srgb_to_linear((value as f64 + 0.5) / 255.0) as f32,
-        };
+        let border = |byte: usize| SRGB_BORDERS.get(byte).map_or(f32::INFINITY, |&border| border as f32);
         let borders: [f32; 256] = std::array::from_fn(border);
         let least = |part: usize| f32::from_bits(Self::LEAST.to_bits() + ((part as u32) << Self::SHIFT));
         let below =
@@ -124,6 +115,11 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The curve from intensity to stored value, as IEC 61966-2-1:1999 states it.
+    fn srgb_encode(linear: f64) -> f64 {
+        if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    }
 
     #[test]
     fn srgb_byte_equals_rounding_the_curve_away_from_borders() {

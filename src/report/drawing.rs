@@ -144,6 +144,7 @@ fn style() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::srgb_to_linear;
 
     #[test]
     fn file_names_hold_only_letters_digits_and_hyphens() {
@@ -166,10 +167,7 @@ mod tests {
     #[test]
     fn text_and_lines_stand_out_on_light_and_on_dark_paper() {
         let luminance = |color: u32| {
-            let channel = |shift: u32| {
-                let c = f64::from(color >> shift & 255) / 255.0;
-                if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-            };
+            let channel = |shift: u32| srgb_to_linear(f64::from(color >> shift & 255) / 255.0);
             0.2126 * channel(16) + 0.7152 * channel(8) + 0.0722 * channel(0)
         };
         let papers = INKS[0].1;

@@ -5,6 +5,7 @@ use octray_engine::integrate::aovs::{AovSample, Aovs, Plane};
 use octray_engine::integrate::meter::PathShape;
 use octray_engine::math::MISS;
 use octray_engine::render::aovs::Cost;
+use octray_engine::tone::srgb_byte;
 use octray_formats::scene::Camera;
 
 /// What a frame shows.
@@ -126,9 +127,9 @@ pub fn samples(count: f32) -> u32 {
     heat_map(count.max(1.0).log2() / 16.0)
 }
 
-/// Approximates sRGB's curve: these colours are for reading, not for measuring.
-fn encode(linear: f32) -> f32 {
-    linear.max(0.0).powf(1.0 / 2.2)
+/// Returns the display value of an intensity, both from 0 to 1.
+pub fn encode(linear: f32) -> f32 {
+    f32::from(srgb_byte(linear)) / 255.0
 }
 
 /// Display values from 0 to 1.

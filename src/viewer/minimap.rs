@@ -1,7 +1,7 @@
 //! The minimap: the scene from above, with the camera and its field of view.
 
 use super::camera_controller::CameraController;
-use super::display_mode::rgb;
+use super::display_mode::{encode, rgb};
 use glam::{DVec2, DVec3};
 use octray_formats::scene::{Camera, MaterialKind, Primitive, Scene};
 
@@ -82,7 +82,7 @@ impl Minimap {
                 MaterialKind::Emitter => material.emission.min(glam::Vec3::ONE),
                 _ => material.color,
             };
-            let color = rgb(shown.to_array().map(|x| 0.1 + 0.55 * x.powf(1.0 / 2.2)));
+            let color = rgb(shown.to_array().map(|x| 0.1 + 0.55 * encode(x)));
             let corners: Vec<DVec2> = shape.corners.iter().map(|&corner| minimap.place(corner)).collect();
             fill(&mut minimap.ground, &corners, shape.radius * minimap.scale, color);
         }

@@ -6,7 +6,7 @@ use image::codecs::{hdr::HdrDecoder, jpeg::JpegDecoder, png::PngDecoder};
 use octray::film::Picture;
 use octray::output::{Existing, Format, OutputError, check, encode, save, write_atomically};
 use octray::scene::srgb_to_linear;
-use octray::tone::{self, Operator, Tone};
+use octray::tone::{Operator, Tone};
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::Path;
@@ -66,15 +66,15 @@ fn png_holds_the_srgb_values_of_known_intensities() {
 #[test]
 fn png_applies_exposure_and_operator() {
     let gray = picture(1, 1, |_, _| [0.25; 3]);
-    for (exposure, operator, linear) in [
-        (1.0, Operator::Clamp, 0.5),
-        (2.0, Operator::Reinhard, 0.5),
-        (0.0, Operator::Reinhard, 0.2),
-        (0.0, Operator::Aces, 0.25 * (2.51 * 0.25 + 0.03) / (0.25 * (2.43 * 0.25 + 0.59) + 0.14)),
+    // The bytes of 0.5, 0.5, 0.2, and of 0.25 * (2.51 * 0.25 + 0.03) / (0.25 * (2.43 * 0.25 + 0.59) + 0.14).
+    for (exposure, operator, byte) in [
+        (1.0, Operator::Clamp, 188),
+        (2.0, Operator::Reinhard, 188),
+        (0.0, Operator::Reinhard, 124),
+        (0.0, Operator::Aces, 165),
     ] {
-        let expected = (tone::srgb_encode(linear) * 255.0).round() as u8;
         let bytes = png(&gray, &Tone { exposure, operator });
-        assert_eq!(bytes, [expected; 3], "{operator:?} at {exposure} stops");
+        assert_eq!(bytes, [byte; 3], "{operator:?} at {exposure} stops");
     }
 }
 

@@ -1,7 +1,6 @@
 //! Levels of detail of a texture: its mip chain.
 
-use crate::scene::{Texels, Texture, srgb_to_linear};
-use std::sync::LazyLock;
+use crate::scene::{SRGB_BORDERS, Texels, Texture};
 
 /// A level: columns and rows, and texels of the texture's own format.
 pub(super) type Level = ([u32; 2], Texels);
@@ -82,20 +81,14 @@ fn encode(texels: &Texels, means: &[[f64; 3]]) -> Texels {
         means.iter().map(texel).collect()
     };
     match texels {
-        Texels::Srgb8(_) => Texels::Srgb8(bytes(srgb_byte)),
+        Texels::Srgb8(_) => {
+            Texels::Srgb8(bytes(|x| SRGB_BORDERS.partition_point(|&border| border <= x) as u8))
+        }
         Texels::Unorm8(_) => Texels::Unorm8(bytes(|x| (x + 0.5) as u8)),
         Texels::Float32(_) => {
             Texels::Float32(means.iter().map(|&[r, g, b]| [r as f32, g as f32, b as f32, 0.0]).collect())
         }
     }
-}
-
-/// The sRGB byte of a linear value.
-fn srgb_byte(x: f64) -> u8 {
-    /// The linear values in the middle between two bytes.
-    static STEPS: LazyLock<[f64; 255]> =
-        LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear((byte as f64 + 0.5) / 255.0)));
-    STEPS.partition_point(|&step| step <= x) as u8
 }
 
 #[cfg(test)]

@@ -109,10 +109,18 @@ pub enum TexelKind {
     Data,
 }
 
-/// The linear value of an sRGB value, by IEC 61966-2-1. Values above 1 follow the same curve.
+/// Returns the linear value of an sRGB value. Values above 1 follow the same curve. Source: IEC 61966-2-1.
+///
+/// Every conversion between bytes and linear values is a table of this function, apart from the polynomial of
+/// [`crate::kernel::texture`], which decodes texels while paths are traced.
 pub fn srgb_to_linear(x: f64) -> f64 {
     if x <= 0.04045 { x / 12.92 } else { portable::pow((x + 0.055) / 1.055, 2.4) }
 }
+
+/// The linear values halfway between consecutive sRGB bytes, ascending. The number of those at or below a
+/// linear value is the nearest byte.
+pub static SRGB_BORDERS: LazyLock<[f64; 255]> =
+    LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear((byte as f64 + 0.5) / 255.0)));
 
 /// How a texture is read between texel centres. It repeats in both directions; on spheres and the sky v is
 /// clamped, because it stays within [0, 1].

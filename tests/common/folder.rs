@@ -35,6 +35,18 @@ impl Folder {
         load(&self.write(name, content))
     }
 
+    /// Asserts that a file is refused as a scene: the message names the file and the place in it, contains
+    /// these words, and says what to write instead.
+    #[track_caller]
+    pub fn assert_refused(&self, name: &str, content: impl AsRef<[u8]>, at: &str, words: &str) {
+        let text = String::from_utf8_lossy(content.as_ref()).into_owned();
+        let Err(error) = self.load(name, content) else { panic!("accepted: {text}") };
+        assert_eq!(error.file, Some(self.path(name)), "{error}");
+        assert!(error.at.as_deref().unwrap_or_default().starts_with(at), "not at {at:?}, {text}: {error}");
+        assert!(error.to_string().contains(words), "without {words:?}, {text}: {error}");
+        assert!(error.mend.is_some(), "without a remedy, {text}: {error}");
+    }
+
     /// Saves a picture of four pixels of one colour.
     pub fn save_picture(&self, name: &str) {
         self.write(name, "");

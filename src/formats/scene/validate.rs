@@ -122,7 +122,7 @@ fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
     };
     builder.origin = file.origin.map(DVec3::from).or(seen);
     let Some(origin) = builder.origin else { return };
-    let reach = balls.iter().map(|(center, radius)| origin.distance(*center) + radius).reduce(f64::max);
+    let reach = balls.iter().map(|(center, radius)| origin.distance(*center) + radius.abs()).reduce(f64::max);
     // A point far beyond the scene, or right at the camera, says nothing of its size.
     let sight = position.zip(look_at).map(|(position, look_at)| position.distance(look_at));
     let size = reach.map(|reach| sight.map_or(reach, |sight| sight.clamp(reach * LEAST_SIZE, reach)));

@@ -2,22 +2,13 @@
 //!
 //! Primitives are numbered spheres first, then triangles.
 
+use crate::candidates::Candidates;
 use crate::coordinates::Coordinates;
-use crate::kernel::ray_box::{Padding, sphere_bounds};
-use crate::kernel::surface::{
-    sphere_offset, sphere_surface, triangle_bounds, triangle_normal, triangle_offset,
-};
-use crate::math::Vec3;
+use crate::kernel::ray_box::Padding;
+use crate::kernel::surface::{triangle_bounds, triangle_offset};
+use crate::kind::{Kind, KindCounts, Sphere, triangle};
+use crate::math::{Vec3, ViewFrustum};
 use glam::DVec3;
-
-/// A sphere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sphere {
-    /// Its centre.
-    pub center: glam::Vec3,
-    /// Above 0.
-    pub radius: f32,
-}
 
 /// The primitives of a scene.
 ///
@@ -43,9 +34,13 @@ pub enum Shape {
 }
 
 impl Geometry {
+    /// Returns the numbers of primitives by kind.
+    pub fn counts(&self) -> KindCounts {
+        KindCounts([self.spheres.len(), self.triangles.len()])
+    }
     /// Returns the number of primitives.
     pub fn len(&self) -> usize {
-        self.spheres.len() + self.triangles.len()
+        self.counts().total()
     }
     /// Returns whether there is no primitive.
     pub fn is_empty(&self) -> bool {
@@ -56,15 +51,16 @@ impl Geometry {
     /// # Panics
     /// If there are not so many.
     pub fn shape(&self, number: usize) -> Shape {
-        match self.spheres.get(number) {
-            Some(&sphere) => Shape::Sphere(sphere),
-            None => Shape::Triangle(self.triangles[number - self.spheres.len()]),
+        let kind = self.counts().kind_of(number);
+        let index = number - self.counts().first(kind);
+        match kind {
+            Kind::Sphere => Shape::Sphere(self.spheres[index]),
+            Kind::Triangle => Shape::Triangle(self.triangles[index]),
         }
     }
     /// Iterates over all primitives in the order of their numbers.
     pub fn shapes(&self) -> impl Iterator<Item = Shape> {
-        let spheres = self.spheres.iter().copied().map(Shape::Sphere);
-        spheres.chain(self.triangles.iter().copied().map(Shape::Triangle))
+        (0..self.len()).map(|number| self.shape(number))
     }
     /// Returns the geometry of the primitives for which `keep(number, shape)` is true.
     pub fn only(&self, keep: impl Fn(usize, Shape) -> bool) -> Self {
@@ -76,6 +72,16 @@ impl Geometry {
             }
         }
         kept
+    }
+    /// Replaces candidates by the primitives for which `keep(number, shape)` is true.
+    pub fn find_candidates(&self, candidates: &mut Candidates, keep: impl Fn(usize, Shape) -> bool) {
+        candidates.clear();
+        let kept = self.shapes().enumerate().filter(|&(number, shape)| keep(number, shape));
+        kept.for_each(|(number, _)| candidates.push(self.counts(), number));
+    }
+    /// Replaces candidates by the primitives that are not outside of a frustum.
+    pub fn find_in_frustum(&self, candidates: &mut Candidates, frustum: &ViewFrustum) {
+        self.find_candidates(candidates, |_, shape| !frustum.excludes(shape.balls()));
     }
     /// Returns the [`Padding`] of boxes, from the extent of all primitives.
     pub fn padding(&self) -> Padding {
@@ -89,36 +95,28 @@ impl Geometry {
 }
 
 impl Shape {
-    /// Returns the lower and upper corner of a box that holds the primitive and all computed hit points: see
-    /// [`sphere_bounds`] and [`triangle_bounds`].
+    /// Returns the lower and upper corner of a box that holds the primitive and all computed hit points.
     pub fn bounds(self) -> [glam::Vec3; 2] {
         match self {
-            Self::Sphere(Sphere { center, radius }) => sphere_bounds(center, radius),
+            Self::Sphere(sphere) => sphere.bounds(),
             Self::Triangle(vertices) => triangle_bounds(vertices),
         }
     }
-    /// Returns how far off the surface rays start that leave it: see [`sphere_offset`] and
-    /// [`triangle_offset`].
+    /// Returns how far off the surface rays start that leave it.
     pub fn offset(self) -> f32 {
         match self {
-            Self::Sphere(Sphere { center, radius }) => sphere_offset(center, radius),
+            Self::Sphere(sphere) => sphere.offset(),
             Self::Triangle(vertices) => triangle_offset(vertices),
         }
     }
     /// Returns the point of the surface at a hit near `near` or, on a triangle, with the weights `u` and `v`;
     /// the geometric unit normal there, and the offset of rays that leave it.
-    pub fn surface(self, near: Vec3<f32>, [u, v]: [f32; 2]) -> (Vec3<f32>, Vec3<f32>, f32) {
-        match self {
-            Self::Sphere(Sphere { center, radius }) => {
-                let (point, ng) = sphere_surface::<f32>(near, Vec3::splat(center), 1.0 / radius, true);
-                (point, ng, self.offset())
-            }
-            Self::Triangle([a, b, c]) => {
-                let [first, ab, ac] = [a, b - a, c - a].map(Vec3::splat);
-                let ng = Vec3::splat(triangle_normal([a, b, c]));
-                (ab.mul_add(u, ac.mul_add(v, first)), ng, self.offset())
-            }
-        }
+    pub fn surface(self, near: Vec3<f32>, weights: [f32; 2]) -> (Vec3<f32>, Vec3<f32>, f32) {
+        let (point, ng) = match self {
+            Self::Sphere(sphere) => sphere.surface(near),
+            Self::Triangle(vertices) => triangle::surface(vertices, weights),
+        };
+        (point, ng, self.offset())
     }
     /// Iterates over centre and radius of balls in whose convex hull the primitive lies.
     pub fn balls(self) -> impl Iterator<Item = (DVec3, f64)> + Clone {
@@ -136,13 +134,8 @@ impl Shape {
     /// Returns the distance of a point from a sphere's surface or from a triangle's plane.
     pub fn distance(self, point: DVec3) -> f64 {
         match self {
-            Self::Sphere(Sphere { center, radius }) => {
-                (point.distance(center.into()) - f64::from(radius)).abs()
-            }
-            Self::Triangle(vertices) => {
-                let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
-                (point - a).dot((b - a).cross(c - a).normalize()).abs()
-            }
+            Self::Sphere(sphere) => sphere.distance(point),
+            Self::Triangle(vertices) => triangle::distance(vertices, point),
         }
     }
 }

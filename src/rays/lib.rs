@@ -32,7 +32,10 @@
 //! | [`math`] | vectors, rays, hits and view frusta; bounds of rounding error |
 //! | [`coordinates`] | the coordinates of the world and those of a structure |
 //! | [`kernel`] | equations of rays with boxes, spheres and triangles; points on surfaces |
-//! | [`geometry`] | the primitives: spheres and triangles |
+//! | [`prepared`] | rays ready for tests: what is computed once for a ray or a packet |
+//! | [`kind`] | the kinds of primitives: a folder each |
+//! | [`candidates`], [`columns`] | the primitives that rays can hit; rays and hits as columns |
+//! | [`geometry`] | all primitives of a scene |
 //! | [`bvh`] | the bounding volume hierarchy: built and checked |
 //! | [`traverse`] | closest hit and any hit, by a list or through the hierarchy |
 //!
@@ -48,15 +51,21 @@
 #![warn(missing_docs)]
 
 pub mod bvh;
+pub mod candidates;
+pub mod columns;
 pub mod coordinates;
 pub mod geometry;
 pub mod kernel;
+pub mod kind;
 pub mod lane;
 pub mod math;
+pub mod prepared;
 pub mod traverse;
 
+pub use candidates::Candidates;
+pub use columns::{Hits, Rays};
 pub use coordinates::Coordinates;
-pub use geometry::{Geometry, Shape, Sphere};
+pub use geometry::{Geometry, Shape};
+pub use kind::{Kind, KindCounts, Sphere};
 pub use math::MISS;
-pub use traverse::rays::{Hits, Rays};
 pub use traverse::{Structure, Tracer, Traversal};

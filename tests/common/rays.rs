@@ -1,11 +1,11 @@
 //! Sets of rays, what every traversal finds for them, and what testing every primitive finds.
 
 use super::*;
+use octray::rays::{Candidates, kind::triangle::Layout};
+use octray::rays::{Hits, Rays};
 use octray::traverse::Tracer;
-use octray::traverse::rays::{Hits, Rays};
 use octray::traverse::stack::Stack;
 use octray::traverse::tile::{self, Packets};
-use octray::traverse::{Candidates, Layout};
 
 /// t, primitive, u and v of each ray, as bits.
 pub type Answers = Vec<[u32; 4]>;

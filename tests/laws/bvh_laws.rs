@@ -7,11 +7,13 @@ use octray::bvh::check::{Statistics, check, check_geometry};
 use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, WIDE, WideNode};
 use octray::kernel::ray_box::sphere_bounds;
 use octray::kernel::surface::triangle_bounds;
+use octray::rays::KindCounts;
 
 /// Builds over boxes, of which the first `spheres` count as spheres, and checks.
 fn valid(spheres: usize, boxes: &[Bounds]) -> Statistics {
-    let bvh = Bvh::of_boxes(spheres, boxes.len(), Trees::WideAndBinary, |number| boxes[number]);
-    let statistics = check(&bvh, spheres, boxes.len(), |number| boxes[number]).unwrap();
+    let counts = KindCounts([spheres, boxes.len() - spheres]);
+    let bvh = Bvh::of_boxes(counts, Trees::WideAndBinary, |number| boxes[number]);
+    let statistics = check(&bvh, counts, |number| boxes[number]).unwrap();
     assert!(statistics.wide_depth <= MAX_DEPTH as usize && statistics.binary_depth <= MAX_DEPTH as usize);
     assert!(statistics.stack <= MAX_STACK);
     statistics
@@ -77,7 +79,7 @@ fn few_primitives_make_a_valid_tree() {
             assert!(count > LEAF || statistics.wide_nodes == 1, "{count} fit one node");
         }
     }
-    let none = Bvh::of_boxes(0, 0, Trees::WideAndBinary, |_| unreachable!());
+    let none = Bvh::of_boxes(KindCounts::default(), Trees::WideAndBinary, |_| unreachable!());
     assert_eq!((none.wide.len(), none.wide[0].children()[0]), (1, Child::NONE));
     assert!(none.bounds.is_empty());
 }
@@ -164,8 +166,8 @@ fn threads_do_not_change_a_bit() {
             let bits = vec![
                 bytemuck::cast_slice(&bvh.wide).to_vec(),
                 bytemuck::cast_slice(&bvh.binary).to_vec(),
-                leaves(&bvh.triangle_leaves),
-                leaves(&bvh.quadric_leaves),
+                leaves(&bvh.leaves[1]),
+                leaves(&bvh.leaves[0]),
             ];
             assert!(first.get_or_insert_with(|| bits.clone()) == &bits, "{threads} threads");
         }
@@ -180,7 +182,7 @@ fn the_wide_tree_is_the_same_without_the_binary_one() {
     assert!(!both.binary.is_empty() && wide.binary.is_empty());
     let bits = |bvh: &Bvh| bytemuck::cast_slice::<_, u32>(&bvh.wide).to_vec();
     assert!(bits(&both) == bits(&wide) && both.bounds == wide.bounds);
-    assert!(both.triangle_leaves == wide.triangle_leaves && both.quadric_leaves == wide.quadric_leaves);
+    assert!(both.leaves == wide.leaves);
     assert!(both.bytes() > wide.bytes());
     let statistics = check_geometry(&wide, &scene.geometry()).unwrap();
     assert_eq!((statistics.binary_nodes, statistics.binary_depth), (0, 0));
@@ -199,16 +201,16 @@ fn meshes_fill_nodes_and_leaves() {
 fn check_finds_what_is_wrong() {
     let mut rng = Rng(6);
     let boxes: Vec<_> = (0..1000).map(|_| at(rng.in_cube(), 0.1)).collect();
-    let good = Bvh::of_boxes(0, 1000, Trees::WideAndBinary, |number| boxes[number]);
+    let good = Bvh::of_boxes(KindCounts([0, 1000]), Trees::WideAndBinary, |number| boxes[number]);
     let wrong = |change: &dyn Fn(&mut Bvh)| {
         let mut bvh = good.clone();
         change(&mut bvh);
-        check(&bvh, 0, 1000, |number| boxes[number]).unwrap_err()
+        check(&bvh, KindCounts([0, 1000]), |number| boxes[number]).unwrap_err()
     };
-    assert!(wrong(&|bvh| bvh.triangle_leaves[3].primitives[0] += 1).contains("box"));
+    assert!(wrong(&|bvh| bvh.leaves[1][3].primitives[0] += 1).contains("box"));
     assert!(wrong(&|bvh| bvh.wide.truncate(5)).contains("out of range"));
     assert!(wrong(&|bvh| bvh.wide[2] = WideNode::EMPTY).contains("0 children"));
     assert!(wrong(&|bvh| bvh.binary[7] = bvh.binary[8]).contains("binary node"));
     assert!(wrong(&|bvh| bvh.bounds.hi.x += 1.0).contains("bounds"));
-    assert!(wrong(&|bvh| bvh.triangle_leaves.push(bvh.triangle_leaves[0])).contains("lost leaves"));
+    assert!(wrong(&|bvh| bvh.leaves[1].push(bvh.leaves[1][0])).contains("lost leaves"));
 }

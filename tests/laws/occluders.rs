@@ -3,7 +3,7 @@
 
 use crate::common::*;
 use glam::DMat3;
-use octray::traverse::Candidates;
+use octray::rays::{Candidates, Kind};
 
 const DIFFUSE: u32 = 0;
 const LAMP: u32 = 1;
@@ -95,8 +95,8 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
         let Some(list) = occluders(&scene, &lights) else { continue };
         let spheres = scene.spheres.len();
         let count = spheres + scene.triangles.len();
-        let listed: Vec<usize> = (list.spheres.iter().map(|&index| index as usize))
-            .chain(list.triangles.iter().map(|&index| spheres + index as usize))
+        let listed: Vec<usize> = (list.of_kind(Kind::Sphere).iter().map(|&index| index as usize))
+            .chain(list.of_kind(Kind::Triangle).iter().map(|&index| spheres + index as usize))
             .collect();
         (rooms, left_out) = (rooms + 1, left_out + count - listed.len());
         let sampled: Vec<usize> = (0..count).filter(|&number| lights.probabilities[number] > 0.0).collect();
@@ -130,7 +130,7 @@ fn occluders(scene: &Scene, lights: &Lights) -> Option<Candidates> {
 /// Indices of the spheres and triangles that can occlude a light; all if none is left out.
 fn listed(scene: &Scene) -> Option<[Vec<u32>; 2]> {
     let lights = Lights::new(scene, LightChoice::On);
-    occluders(scene, &lights).map(|found| [found.spheres, found.triangles])
+    occluders(scene, &lights).map(|found| Kind::ALL.map(|kind| found.of_kind(kind).to_vec()))
 }
 
 #[test]

@@ -8,9 +8,9 @@ use crate::common::rays::Set;
 use crate::common::*;
 use octray::kernel::ray_sphere::{self};
 use octray::kernel::ray_triangle::{self};
+use octray::rays::{Hits, Rays};
 use octray::rays::{Structure, Tracer};
 use octray::scene::Coordinates;
-use octray::traverse::rays::{Hits, Rays};
 
 /// A hit's bits: t, primitive, u, v.
 type Answer = [u32; 4];

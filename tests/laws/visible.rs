@@ -3,8 +3,9 @@
 use crate::common::rays::Set;
 use crate::common::*;
 use octray::camera::Pinhole;
+use octray::math::ViewFrustum;
+use octray::rays::{Candidates, Kind};
 use octray::sampling::random::mix_bits;
-use octray::traverse::Candidates;
 
 const RESOLUTION: [u32; 2] = [64, 48];
 const TILE: u32 = 8;
@@ -35,6 +36,13 @@ fn primary_rays(camera: &Pinhole, [x, y]: [u32; 2]) -> Set {
     Set::of(&points.map(|(x, y)| camera.rays(x, y)).collect::<Vec<_>>())
 }
 
+/// The primitives that are not outside of a frustum.
+fn visible(scene: &Scene, frustum: &ViewFrustum) -> Candidates {
+    let mut found = Candidates::default();
+    scene.geometry().find_in_frustum(&mut found, frustum);
+    found
+}
+
 #[test]
 fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
     let cameras =
@@ -50,9 +58,8 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
         {
-            let visible =
-                Candidates::in_frustum(&scene.geometry(), &camera.view_frustum([x, y], [TILE, TILE]));
-            let listed = visible.spheres.len() + visible.triangles.len();
+            let visible = visible(&scene, &camera.view_frustum([x, y], [TILE, TILE]));
+            let listed = visible.len();
             skipped += 120 - listed;
             empty_lists += usize::from(listed == 0);
             let rays = primary_rays(&camera, [x, y]);
@@ -111,7 +118,7 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     }
     let rays = Set::of(&edges.into_iter().flatten().collect::<Vec<Ray<f32>>>());
     [specks, beside].map(|scene| {
-        let visible = Candidates::in_frustum(&scene.geometry(), &camera.view_frustum(corner, [TILE, TILE]));
+        let visible = visible(&scene, &camera.view_frustum(corner, [TILE, TILE]));
         let list = List::new(&scene.geometry(), Default::default());
         let trace = |visible: Option<&Candidates>| rays.nearest::<f32>(&list, visible);
         let everything = trace(None);
@@ -184,5 +191,5 @@ fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
     scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];
     scene.triangles.clear();
     let frustum = Pinhole::new(&camera, RESOLUTION).view_frustum([28, 20], [TILE, TILE]);
-    assert_eq!(Candidates::in_frustum(&scene.geometry(), &frustum).spheres, [0, 2, 3]);
+    assert_eq!(visible(&scene, &frustum).of_kind(Kind::Sphere), [0, 2, 3]);
 }

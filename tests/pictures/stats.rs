@@ -6,9 +6,9 @@ use octray::bvh::check::check_geometry;
 use octray::bvh::{Bvh, LEAF, slots};
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
 use octray::measure::stats::FrameStats;
+use octray::rays::{Hits, Rays};
 use octray::traverse::Tracer;
 use octray::traverse::counter::{Counts, Tests};
-use octray::traverse::rays::{Hits, Rays};
 
 /// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
 fn two_triangles() -> Scene {

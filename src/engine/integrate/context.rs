@@ -6,8 +6,8 @@ use crate::camera::Pinhole;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::math::Ray;
+use crate::rays::{Candidates, Structure};
 use crate::sampling::Sampler;
-use crate::traverse::{Candidates, Structure};
 
 /// Does the feature set `N` hold this feature? Constant for the compiler.
 #[inline(always)]

@@ -8,7 +8,7 @@ use super::stats::RayKind;
 use crate::buffers::Features;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Hit;
-use crate::traverse::Candidates;
+use crate::rays::Candidates;
 use std::ops::Range;
 
 /// What a run of [`intersect`] leaves.

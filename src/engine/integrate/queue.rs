@@ -4,7 +4,7 @@ use crate::camera::MAX_PIXELS;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, F32x16, Lane};
 use crate::math::{Hit, Ray, Vec3};
-use crate::traverse::rays::{Hits, Rays};
+use crate::rays::{Hits, Rays};
 use bytemuck::Zeroable;
 use std::ops::Range;
 

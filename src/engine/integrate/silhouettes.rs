@@ -5,8 +5,8 @@ use super::scratch::Scratch;
 use crate::kernel::surface::inset;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{EPSILON, Hit, MISS, Vec3};
+use crate::rays::{Hits, Rays};
 use crate::traverse::Tracer;
-use crate::traverse::rays::{Hits, Rays};
 use std::ops::Range;
 
 /// The share of [`crate::kernel::surface::near_edge`] within which hits are looked at, by the error of a hit

@@ -4,7 +4,9 @@ use crate::buffers::{Features, LightChoice, Lights};
 use crate::choice::{Choice, choices, serde_by_name};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use octray_rays::traverse::{MAX_LIST_COST, SphereTest, TriangleTest, list_cost};
+use octray_rays::kind::sphere::SphereTest;
+use octray_rays::kind::triangle::TriangleTest;
+use octray_rays::traverse::{MAX_LIST_COST, list_cost};
 use octray_rays::{Geometry, Structure, Traversal};
 
 choices! {

@@ -15,9 +15,9 @@ use crate::integrate::{MAX_TILES, Pipeline, Scratch, TraceContext, generate, pip
 use crate::lane::{F32x8, Native, WIDTHS};
 use crate::math::{Hit, MISS};
 use crate::path_vertex::PathVertex;
+use crate::rays::Candidates;
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
-use crate::traverse::Candidates;
 use octray_rays::Geometry;
 use rayon::prelude::*;
 
@@ -46,7 +46,7 @@ fn find_visible(
     }
     visible.resize_with(count, Candidates::default);
     for (tile, visible) in tiles().zip(visible) {
-        visible.find_in_frustum(geometry, &camera.view_frustum([tile.x, tile.y], [tile.width, tile.height]));
+        geometry.find_in_frustum(visible, &camera.view_frustum([tile.x, tile.y], [tile.width, tile.height]));
     }
 }
 

@@ -7,11 +7,11 @@
 
 use crate::camera::{Pinhole, Tile};
 use crate::math::{MISS, Ray, Vec3};
+use crate::rays::{Hits, Rays};
 use crate::sampling::dimension::{DIRECTION, bounce};
 use crate::sampling::random::{path_key, uniform};
 use crate::sampling::warp::sample_cosine_hemisphere;
 use crate::scene::Scene;
-use crate::traverse::rays::{Hits, Rays};
 use serde::Serialize;
 
 /// Pixels of a tile: width, height. A tile's rays are contiguous in the arrays.

@@ -5,8 +5,9 @@
 
 use super::bounds::{Bounds, PackedBox};
 use super::cost::{Costs, Plan};
-use super::node::{LEAF, MAX_DEPTH};
+use super::node::MAX_DEPTH;
 use super::split::{self, Set};
+use crate::kind::{Kind, KindCounts, LEAF};
 use crate::lane::{Mask, Mask8};
 use rayon::join;
 
@@ -29,8 +30,8 @@ pub(super) struct BuildNode {
 
 /// The parameters of a build.
 pub(super) struct Builder {
-    /// How many of the primitives, the first ones, are quadrics: leaves hold either those or triangles.
-    pub quadrics: u32,
+    /// The primitives by kind: a leaf holds primitives of one kind.
+    pub counts: KindCounts,
 }
 
 /// Levels of halving until each part fits a leaf.
@@ -89,8 +90,12 @@ impl Builder {
         costs
     }
 
+    fn kind_of(&self, one: PackedBox) -> Kind {
+        self.counts.kind_of(one.number() as usize)
+    }
+
     fn homogeneous(&self, boxes: &[PackedBox]) -> bool {
-        let mut kinds = boxes.iter().map(|one| one.number() < self.quadrics);
+        let mut kinds = boxes.iter().map(|one| self.kind_of(*one));
         let first = kinds.next();
         kinds.all(|kind| Some(kind) == first)
     }
@@ -122,6 +127,8 @@ impl Builder {
         if self.homogeneous(boxes) {
             return None;
         }
-        Some(split::partition_by(boxes, &|one| Mask8::splat(one.number() < self.quadrics)))
+        let least = boxes.iter().map(|one| one.number()).min()?;
+        let kind = self.counts.kind_of(least as usize);
+        Some(split::partition_by(boxes, &|one| Mask8::splat(self.kind_of(one) == kind)))
     }
 }

@@ -2,9 +2,10 @@
 
 use super::bounds::Bounds;
 use super::cost::LEAF_COST;
-use super::node::{Child, LEAF, Leaf, MAX_DEPTH, WIDE};
+use super::node::{Child, MAX_DEPTH, WIDE};
 use super::tree::Bvh;
 use crate::geometry::Geometry;
+use crate::kind::{Kind, KindCounts, LEAF, Leaf};
 use serde::Serialize;
 
 /// Statistics of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surface
@@ -41,7 +42,10 @@ pub struct Statistics {
 struct Validator<'a, F> {
     bvh: &'a Bvh,
     bounds: F,
+    counts: KindCounts,
     seen: Vec<u32>,
+    /// The leaves of each kind that were reached.
+    leaves: [usize; Kind::ALL.len()],
     statistics: Statistics,
     area: f64,
 }
@@ -51,18 +55,13 @@ type Checked<T> = Result<T, String>;
 /// Runs [`check`] on the hierarchy over all primitives of a geometry.
 pub fn check_geometry(bvh: &Bvh, geometry: &Geometry) -> Checked<Statistics> {
     let bounds = |number| Bounds::new(geometry.shape(number).bounds());
-    check(bvh, geometry.spheres.len(), geometry.len(), bounds)
+    check(bvh, geometry.counts(), bounds)
 }
 
-/// Checks the hierarchy over `count` primitives (`quadrics` quadrics first) with the given boxes: its
-/// statistics, or the first fault.
-pub fn check(
-    bvh: &Bvh,
-    quadrics: usize,
-    count: usize,
-    bounds: impl Fn(usize) -> Bounds,
-) -> Checked<Statistics> {
-    let leaves = bvh.triangle_leaves.len() + bvh.quadric_leaves.len();
+/// Checks the hierarchy over primitives with the given boxes. Returns its statistics, or the first fault.
+pub fn check(bvh: &Bvh, counts: KindCounts, bounds: impl Fn(usize) -> Bounds) -> Checked<Statistics> {
+    let (count, of_kinds) = (counts.total(), bvh.leaves.each_ref().map(Vec::len));
+    let leaves = of_kinds.iter().sum::<usize>();
     let statistics = Statistics {
         wide_nodes: bvh.wide.len(),
         binary_nodes: bvh.binary.len(),
@@ -70,26 +69,24 @@ pub fn check(
         ..Statistics::default()
     };
     let area = bvh.bounds.half_area().max(f64::MIN_POSITIVE);
-    let mut validator = Validator { bvh, bounds, seen: vec![0; count], statistics, area };
+    let mut validator =
+        Validator { bvh, bounds, counts, seen: vec![0; count], leaves: [0; _], statistics, area };
 
-    let mut next_leaf = [0; 2];
     let mut next_node = 1;
-    let (root, stack) = validator.node(0, 1, bvh.bounds, quadrics, &mut next_leaf, &mut next_node)?;
+    let (root, stack) = validator.node(0, 1, bvh.bounds, &mut next_node)?;
     expect(root == bvh.bounds, || format!("bounds {:?} are not those of the root, {root:?}", bvh.bounds))?;
     expect(next_node == bvh.wide.len(), || format!("{} wide nodes, {next_node} reached", bvh.wide.len()))?;
-    expect(next_leaf == [bvh.triangle_leaves.len(), bvh.quadric_leaves.len()], || "lost leaves".into())?;
+    expect(validator.leaves == of_kinds, || "lost leaves".into())?;
     if let Some(lost) = validator.seen.iter().position(|&times| times != 1) {
         return Err(format!("primitive {lost} is in {} leaves", validator.seen[lost]));
     }
 
     let (mut next, mut deepest) = (0, 0);
     if !bvh.binary.is_empty() {
-        next_leaf = [0; 2];
-        validator.binary(&mut next, 0, &mut deepest, &mut next_leaf)?;
+        validator.leaves = [0; _];
+        validator.binary(&mut next, 0, &mut deepest)?;
         expect(next == bvh.binary.len(), || format!("{} binary nodes, {next} reached", bvh.binary.len()))?;
-        expect(next_leaf == [bvh.triangle_leaves.len(), bvh.quadric_leaves.len()], || {
-            "the binary tree has other leaves".into()
-        })?;
+        expect(validator.leaves == of_kinds, || "the binary tree has other leaves".into())?;
     }
 
     let mut statistics = validator.statistics;
@@ -111,8 +108,6 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         node: usize,
         level: usize,
         around: Bounds,
-        quadrics: usize,
-        next_leaf: &mut [usize; 2],
         next_node: &mut usize,
     ) -> Checked<(Bounds, usize)> {
         let wide = *self.bvh.wide.get(node).ok_or_else(|| format!("wide node {node} is out of range"))?;
@@ -133,14 +128,13 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
                 continue;
             }
             let below = if child.is_leaf() {
-                self.leaf(child, bounds, quadrics, next_leaf)?
+                self.leaf(child, bounds)?
             } else {
                 expect(child.index() == *next_node, || {
                     format!("{} refers to {}, out of order", place(), child.index())
                 })?;
                 *next_node += 1;
-                let (below, stack) =
-                    self.node(child.index(), level + 1, bounds, quadrics, next_leaf, next_node)?;
+                let (below, stack) = self.node(child.index(), level + 1, bounds, next_node)?;
                 deepest = deepest.max(stack);
                 below
             };
@@ -151,18 +145,9 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         Ok((union, (filled + deepest.saturating_sub(1)).max(filled)))
     }
 
-    fn leaf(
-        &mut self,
-        child: Child,
-        bounds: Bounds,
-        quadrics: usize,
-        next_leaf: &mut [usize; 2],
-    ) -> Checked<Bounds> {
-        let (leaves, next) = if child.is_quadrics() {
-            (&self.bvh.quadric_leaves, &mut next_leaf[1])
-        } else {
-            (&self.bvh.triangle_leaves, &mut next_leaf[0])
-        };
+    fn leaf(&mut self, child: Child, bounds: Bounds) -> Checked<Bounds> {
+        let kind = child.kind();
+        let (leaves, next) = (&self.bvh.leaves[kind as usize], &mut self.leaves[kind as usize]);
         let leaf =
             leaves.get(child.index()).ok_or_else(|| format!("leaf {} is out of range", child.index()))?;
         expect(child.index() == *next, || format!("leaf {} is in place {next}", child.index()))?;
@@ -177,7 +162,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         for &primitive in primitives {
             let number = primitive as usize;
             expect(number < self.seen.len(), || format!("primitive {number} is out of range"))?;
-            expect((number < quadrics) == child.is_quadrics(), || {
+            expect(self.counts.kind_of(number) == kind, || {
                 format!("primitive {number} is of the wrong kind")
             })?;
             self.seen[number] += 1;
@@ -192,13 +177,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
     }
 
     /// The union of the boxes below the next binary node.
-    fn binary(
-        &mut self,
-        next: &mut usize,
-        depth: u32,
-        deepest: &mut u32,
-        next_leaf: &mut [usize; 2],
-    ) -> Checked<Bounds> {
+    fn binary(&mut self, next: &mut usize, depth: u32, deepest: &mut u32) -> Checked<Bounds> {
         let index = *next;
         let node =
             *self.bvh.binary.get(index).ok_or_else(|| format!("binary node {index} is out of range"))?;
@@ -209,7 +188,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         let union = if child == Child::NONE {
             Bounds::EMPTY
         } else if child.is_leaf() {
-            let place = &mut next_leaf[usize::from(child.is_quadrics())];
+            let place = &mut self.leaves[child.kind() as usize];
             expect(child.index() == *place, || {
                 format!("binary node {index} refers to leaf {}", child.index())
             })?;
@@ -217,9 +196,9 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
             let primitives = self.bvh.leaf(child).primitives();
             primitives.iter().fold(Bounds::EMPTY, |union, &one| union.union((self.bounds)(one as usize)))
         } else {
-            let left = self.binary(next, depth + 1, deepest, next_leaf)?;
+            let left = self.binary(next, depth + 1, deepest)?;
             expect(child.index() == *next, || format!("binary node {index} refers to {}", child.index()))?;
-            left.union(self.binary(next, depth + 1, deepest, next_leaf)?)
+            left.union(self.binary(next, depth + 1, deepest)?)
         };
         expect(union == node.bounds(), || format!("binary node {index} has a box of its own"))?;
         Ok(union)
@@ -232,11 +211,13 @@ mod tests {
     use crate::bvh::bounds::{Bounds, PackedBox};
     use crate::bvh::build::Builder;
     use crate::bvh::tree::{Bvh, Trees};
+    use crate::kind::KindCounts;
     use glam::Vec3;
 
     #[test]
     fn cost_is_what_the_builder_minimises() {
-        for (quadrics, count) in [(0, 40), (0, 300), (300, 1300), (0, 1001), (400, 2400), (3000, 3000)] {
+        for counts in [[0, 40], [0, 300], [300, 1000], [0, 1001], [400, 2000], [3000, 0]] {
+            let counts = KindCounts(counts);
             // Points of a Kronecker sequence, with boxes of three sizes.
             let bounds = |number: usize| {
                 let point = (Vec3::new(0.819_17, 0.671_04, 0.549_7) * number as f32).fract();
@@ -244,13 +225,13 @@ mod tests {
                 Bounds { lo: point - half, hi: point + half }
             };
             let mut boxes: Vec<_> =
-                (0..count).map(|number| PackedBox::new(bounds(number), number as u32)).collect();
-            let (_, costs) = Builder { quadrics: quadrics as u32 }.build(&mut boxes);
-            let bvh = Bvh::of_boxes(quadrics, count, Trees::Wide, bounds);
+                (0..counts.total()).map(|number| PackedBox::new(bounds(number), number as u32)).collect();
+            let (_, costs) = Builder { counts }.build(&mut boxes);
+            let bvh = Bvh::of_boxes(counts, Trees::Wide, bounds);
             let planned = costs.of_tree() / bvh.bounds.half_area();
-            let cost = check(&bvh, quadrics, count, bounds).unwrap().cost;
+            let cost = check(&bvh, counts, bounds).unwrap().cost;
             // The builder rounds extents to f32.
-            assert!((cost / planned - 1.0).abs() < 1e-6, "{quadrics} of {count}: {cost}, planned {planned}");
+            assert!((cost / planned - 1.0).abs() < 1e-6, "{counts:?}: {cost}, planned {planned}");
         }
     }
 }

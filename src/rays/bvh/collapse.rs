@@ -2,18 +2,19 @@
 
 use super::bounds::{Bounds, PackedBox};
 use super::build::BuildNode;
-use super::node::{BinaryNode, Child, Leaf, WIDE, WideNode};
+use super::node::{BinaryNode, Child, WIDE, WideNode};
+use crate::kind::{Kind, KindCounts, Leaf};
 
 /// The finished parts, appended in depth-first order.
 pub(super) struct Collapse<'a> {
     nodes: &'a [BuildNode],
     boxes: &'a [PackedBox],
-    quadrics: u32,
+    counts: KindCounts,
     pub wide: Vec<WideNode>,
     /// `None` with [`super::tree::Trees::Wide`].
     pub binary: Option<Vec<BinaryNode>>,
-    pub triangle_leaves: Vec<Leaf>,
-    pub quadric_leaves: Vec<Leaf>,
+    /// By kind.
+    pub leaves: [Vec<Leaf>; Kind::ALL.len()],
 }
 
 /// A wide node whose slots are being filled.
@@ -33,10 +34,14 @@ impl Slots {
 }
 
 impl<'a> Collapse<'a> {
-    pub fn new(nodes: &'a [BuildNode], boxes: &'a [PackedBox], quadrics: u32, keep_binary: bool) -> Self {
+    pub fn new(
+        nodes: &'a [BuildNode],
+        boxes: &'a [PackedBox],
+        counts: KindCounts,
+        keep_binary: bool,
+    ) -> Self {
         let (wide, binary) = (vec![WideNode::EMPTY], keep_binary.then(|| Vec::with_capacity(nodes.len())));
-        let (triangle_leaves, quadric_leaves) = (Vec::new(), Vec::new());
-        let mut collapse = Self { nodes, boxes, quadrics, wide, binary, triangle_leaves, quadric_leaves };
+        let mut collapse = Self { nodes, boxes, counts, wide, binary, leaves: Default::default() };
         let mut root = Slots::new();
         if boxes.is_empty() {
             collapse.push_binary(BinaryNode::new(Bounds::EMPTY, Child::NONE, 0));
@@ -110,11 +115,10 @@ impl<'a> Collapse<'a> {
             *slot = one.number();
         }
         leaf.primitives.sort_unstable();
-        let is_quadrics = leaf.primitives[0] < self.quadrics;
-        let leaves = if is_quadrics { &mut self.quadric_leaves } else { &mut self.triangle_leaves };
+        let kind = self.counts.kind_of(leaf.primitives[0] as usize);
+        let leaves = &mut self.leaves[kind as usize];
         leaves.push(leaf);
-        let kind = if is_quadrics { Child::QUADRICS } else { 0 };
-        Child(Child::LEAF | kind | (leaves.len() - 1) as u32)
+        Child::leaf(kind, leaves.len() - 1)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The bounding volume hierarchy over quadrics and triangles: how it is built, and what traversals
+//! The bounding volume hierarchy over the boxes of primitives: how it is built, and what traversals
 //! read.
 //!
 //! | file | what it does |
@@ -13,8 +13,7 @@
 //! | [`check`] | validity and statistics |
 //!
 //! # What a traversal may rely on
-//! - Every primitive is in exactly one leaf; a leaf holds 1 to [`LEAF`] primitives of one kind, numbered as
-//!   hits are (quadrics first, then triangles), ascending. Leaves are in depth-first order.
+//! - Every primitive is in exactly one leaf; a leaf holds 1 to [`LEAF`] primitives of one kind, ascending. Leaves are in depth-first order.
 //! - A child's box holds the boxes of all primitives below it exactly: planes are copied, never computed.
 //! - The root is node 0; it always exists, in the wide tree and in the binary one. A wide node's filled slots
 //!   come first; the others have an empty box (+∞, −∞), which no ray hits. A scene without primitives has an
@@ -33,6 +32,7 @@ mod node;
 mod split;
 mod tree;
 
+pub use crate::kind::{LEAF, Leaf};
 pub use bounds::{Bounds, MAX_PRIMITIVES};
-pub use node::{BinaryNode, Child, LEAF, Leaf, MAX_DEPTH, MAX_STACK, WIDE, WideNode, slots};
+pub use node::{BinaryNode, Child, MAX_DEPTH, MAX_STACK, WIDE, WideNode, slots};
 pub use tree::{Bvh, Trees};

@@ -1,21 +1,20 @@
 //! The nodes and leaves that traversals read, and the limits that traversals rely on.
 
 use super::bounds::Bounds;
+use crate::kind::Kind;
 use crate::lane::{Bits, Mask, NATIVE_WIDTH, NativeBits, prefetch, set_bits};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Children of a wide node: as many as one vector tests at once.
 pub const WIDE: usize = NATIVE_WIDTH;
-/// Most primitives in a leaf: likewise.
-pub const LEAF: usize = NATIVE_WIDTH;
 /// Most levels from the root to a leaf. Splits by cost may be lopsided; where they would lead deeper, sets
 /// are halved, which takes 27 levels for [`super::MAX_PRIMITIVES`].
 pub const MAX_DEPTH: u32 = 48;
 /// Most references on the stack of a traversal of the wide tree: each level leaves all but one child behind.
 pub const MAX_STACK: usize = (WIDE - 1) * MAX_DEPTH as usize + 1;
 
-/// What a child slot refers to: a node, a leaf of triangles, a leaf of quadrics, or nothing.
+/// The reference of a child slot: to a node, to a leaf of a kind of primitive, or to nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Child(pub u32);
@@ -23,23 +22,34 @@ pub struct Child(pub u32);
 impl Child {
     /// Set in leaves.
     pub const LEAF: u32 = 1 << 31;
-    /// Set in leaves of quadrics.
-    pub const QUADRICS: u32 = 1 << 30;
+    /// Set in leaves of spheres.
+    const SPHERES: u32 = 1 << 30;
     /// Masks the index of a leaf among those of its kind.
-    pub const INDEX: u32 = Self::QUADRICS - 1;
+    const INDEX: u32 = Self::SPHERES - 1;
     /// No child; its box is empty, so no ray reaches it. The leaf bits are set, and the index is out of
     /// range.
     pub const NONE: Self = Self(u32::MAX);
 
+    /// Returns the reference to a leaf, by its index among those of its kind.
+    pub const fn leaf(kind: Kind, index: usize) -> Self {
+        Self(Self::LEAF | Self::bits_of(kind) | index as u32)
+    }
+    /// Returns the bits that mark a leaf of this kind.
+    const fn bits_of(kind: Kind) -> u32 {
+        match kind {
+            Kind::Sphere => Self::SPHERES,
+            Kind::Triangle => 0,
+        }
+    }
     /// Whether it is a leaf, not a node.
     #[inline(always)]
     pub fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
     }
-    /// Whether a leaf holds quadrics.
+    /// Returns the kind of a leaf's primitives.
     #[inline(always)]
-    pub fn is_quadrics(self) -> bool {
-        self.0 & Self::QUADRICS != 0
+    pub fn kind(self) -> Kind {
+        if self.0 & Self::SPHERES != 0 { Kind::Sphere } else { Kind::Triangle }
     }
     /// The index of a node, or of a leaf among those of its kind.
     #[inline(always)]
@@ -91,7 +101,7 @@ impl WideNode {
     /// The slots of leaves of triangles, one bit each.
     #[inline(always)]
     pub fn triangle_leaves(&self) -> u32 {
-        self.slots_of(Child::LEAF)
+        self.slots_of(Child::leaf(Kind::Triangle, 0).0)
     }
     /// The slots whose references have just these of the bits outside [`Child::INDEX`].
     #[inline(always)]
@@ -162,23 +172,5 @@ impl BinaryNode {
     #[inline(always)]
     pub fn left_first(&self, upwards: u32) -> bool {
         (upwards >> (self.order & 3) & 1) != (self.order >> 2)
-    }
-}
-
-/// Up to [`LEAF`] primitives of one kind, numbered as hits are: quadrics first, then triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-#[repr(transparent)]
-pub struct Leaf {
-    /// Ascending; [`Leaf::NONE`] behind the last one.
-    pub primitives: [u32; LEAF],
-}
-
-impl Leaf {
-    /// Marks an unused place.
-    pub const NONE: u32 = u32::MAX;
-    /// The indices of the primitives.
-    pub fn primitives(&self) -> &[u32] {
-        let len = self.primitives.iter().position(|&one| one == Self::NONE).unwrap_or(LEAF);
-        &self.primitives[..len]
     }
 }

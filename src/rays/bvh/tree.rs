@@ -3,8 +3,9 @@
 use super::bounds::{Bounds, MAX_PRIMITIVES, PackedBox};
 use super::build::Builder;
 use super::collapse::Collapse;
-use super::node::{BinaryNode, Child, Leaf, WideNode};
+use super::node::{BinaryNode, Child, WideNode};
 use crate::geometry::Geometry;
+use crate::kind::{Kind, KindCounts, Leaf};
 use rayon::prelude::*;
 
 /// Which trees to keep over the leaves.
@@ -16,17 +17,15 @@ pub enum Trees {
     WideAndBinary,
 }
 
-/// A hierarchy over quadrics and triangles.
+/// A hierarchy over primitives.
 #[derive(Clone, Debug)]
 pub struct Bvh {
     /// The wide tree, the root first.
     pub wide: Vec<WideNode>,
     /// Over the same leaves; empty with [`Trees::Wide`].
     pub binary: Vec<BinaryNode>,
-    /// Leaves of triangles.
-    pub triangle_leaves: Vec<Leaf>,
-    /// Leaves of quadrics: all primitives but triangles.
-    pub quadric_leaves: Vec<Leaf>,
+    /// The leaves of each kind.
+    pub leaves: [Vec<Leaf>; Kind::ALL.len()],
     /// Around everything.
     pub bounds: Bounds,
 }
@@ -35,50 +34,40 @@ impl Bvh {
     /// Builds the hierarchy over all primitives.
     pub fn new(geometry: &Geometry, trees: Trees) -> Self {
         let bounds = |number| Bounds::new(geometry.shape(number).bounds());
-        Self::of_boxes(geometry.spheres.len(), geometry.len(), trees, bounds)
+        Self::of_boxes(geometry.counts(), trees, bounds)
     }
 
-    /// A hierarchy over `count` primitives with the given boxes; the first `quadrics` of them are quadrics.
+    /// Builds the hierarchy over primitives with the given boxes.
     ///
     /// Domain: boxes are not empty, and neither coordinates nor extents leave ±1e19.
     ///
     /// # Panics
     /// With more than [`MAX_PRIMITIVES`].
-    pub fn of_boxes(
-        quadrics: usize,
-        count: usize,
-        trees: Trees,
-        bounds: impl Fn(usize) -> Bounds + Sync,
-    ) -> Self {
+    pub fn of_boxes(counts: KindCounts, trees: Trees, bounds: impl Fn(usize) -> Bounds + Sync) -> Self {
+        let count = counts.total();
         assert!(count <= MAX_PRIMITIVES, "{count} primitives; at most {MAX_PRIMITIVES} fit a hierarchy");
         let mut boxes: Vec<PackedBox> = (0..count)
             .into_par_iter()
             .with_min_len(4096)
             .map(|number| PackedBox::new(bounds(number), number as u32))
             .collect();
-        let quadrics = quadrics as u32;
-        let (nodes, _) = Builder { quadrics }.build(&mut boxes);
-        let Collapse { wide, binary, triangle_leaves, quadric_leaves, .. } =
-            Collapse::new(&nodes, &boxes, quadrics, trees == Trees::WideAndBinary);
+        let (nodes, _) = Builder { counts }.build(&mut boxes);
+        let Collapse { wide, binary, leaves, .. } =
+            Collapse::new(&nodes, &boxes, counts, trees == Trees::WideAndBinary);
         let bounds = if boxes.is_empty() { Bounds::EMPTY } else { nodes[0].bounds };
-        Self { wide, binary: binary.unwrap_or_default(), triangle_leaves, quadric_leaves, bounds }
+        Self { wide, binary: binary.unwrap_or_default(), leaves, bounds }
     }
 
     /// The primitives of a leaf.
     #[inline(always)]
     pub fn leaf(&self, leaf: Child) -> &Leaf {
-        if leaf.is_quadrics() {
-            &self.quadric_leaves[leaf.index()]
-        } else {
-            &self.triangle_leaves[leaf.index()]
-        }
+        &self.leaves[leaf.kind() as usize][leaf.index()]
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         size_of_val(self.wide.as_slice())
             + size_of_val(self.binary.as_slice())
-            + size_of_val(self.triangle_leaves.as_slice())
-            + size_of_val(self.quadric_leaves.as_slice())
+            + self.leaves.iter().map(|leaves| size_of_val(leaves.as_slice())).sum::<usize>()
     }
 }

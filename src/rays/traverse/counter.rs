@@ -10,6 +10,7 @@
 
 use super::hierarchy::Hierarchy;
 use crate::bvh::{Child, WideNode};
+use crate::kind::{Kind, KindCounts};
 use crate::lane::{Mask, NativeMask};
 use serde::Serialize;
 use std::cell::Cell;
@@ -29,9 +30,9 @@ pub trait CounterSink: Copy {
     /// A ray against the primitives of a leaf, one after the other.
     #[inline(always)]
     fn leaf_one_by_one(self, _hierarchy: &Hierarchy, _leaf: Child) {}
-    /// A packet of `rays` rays against the quadrics of a leaf, one after the other.
+    /// A packet of `rays` rays against the spheres of a leaf, one after the other.
     #[inline(always)]
-    fn packet_quadrics(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
+    fn packet_spheres(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
     /// A frustum against the boxes of a leaf's triangles, and its packet of `rays` rays against those that it
     /// meets, one after the other.
     #[inline(always)]
@@ -54,7 +55,7 @@ impl CounterSink for &Counter {
     fn leaf_one_by_one(self, hierarchy: &Hierarchy, leaf: Child) {
         self.primitives(leaf, hierarchy.filled(leaf), hierarchy.filled(leaf));
     }
-    fn packet_quadrics(self, hierarchy: &Hierarchy, leaf: Child, rays: usize) {
+    fn packet_spheres(self, hierarchy: &Hierarchy, leaf: Child, rays: usize) {
         let filled = hierarchy.filled(leaf);
         self.primitives(leaf, filled, rays * filled);
     }
@@ -80,7 +81,7 @@ pub struct Counts {
     pub boxes: Tests,
     /// Tests of triangles.
     pub triangles: Tests,
-    /// Tests of quadrics: spheres.
+    /// Tests of spheres.
     pub spheres: Tests,
 }
 
@@ -88,6 +89,15 @@ impl AddAssign for Tests {
     fn add_assign(&mut self, other: Self) {
         self.tests += other.tests;
         self.steps += other.steps;
+    }
+}
+
+impl Counts {
+    fn of_kind(&mut self, kind: Kind) -> &mut Tests {
+        match kind {
+            Kind::Sphere => &mut self.spheres,
+            Kind::Triangle => &mut self.triangles,
+        }
     }
 }
 
@@ -109,16 +119,13 @@ impl Counter {
         self.0.take()
     }
     fn primitives(&self, leaf: Child, steps: usize, tests: usize) {
-        if leaf.is_quadrics() {
-            self.add(|counts| &mut counts.spheres, steps, tests);
-        } else {
-            self.add(|counts| &mut counts.triangles, steps, tests);
-        }
+        self.add(|counts| counts.of_kind(leaf.kind()), steps, tests);
     }
-    /// `rays` rays against so many quadrics and triangles, in `packets` packets or one by one.
-    pub fn list(&self, [quadrics, triangles]: [usize; 2], packets: usize, rays: usize) {
-        self.add(|counts| &mut counts.spheres, packets * quadrics, rays * quadrics);
-        self.add(|counts| &mut counts.triangles, packets * triangles, rays * triangles);
+    /// Counts the tests of `rays` rays against so many primitives, in `packets` packets or one by one.
+    pub fn list(&self, primitives: KindCounts, packets: usize, rays: usize) {
+        for (kind, count) in Kind::ALL.into_iter().zip(primitives.0) {
+            self.add(|counts| counts.of_kind(kind), packets * count, rays * count);
+        }
     }
     fn add(&self, kind: impl FnOnce(&mut Counts) -> &mut Tests, steps: usize, tests: usize) {
         let mut counts = self.0.get();

@@ -11,8 +11,8 @@
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
-use super::rays::Rays;
 use crate::bvh::WIDE;
+use crate::columns::Rays;
 use crate::kernel::ray_box::Padding;
 use crate::lane::{F32x8, Lane, Mask, Mask8, Native, NativeMask};
 use crate::math::{Ray, Vec3};

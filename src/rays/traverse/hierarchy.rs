@@ -1,16 +1,16 @@
 //! The primitives in the leaves of a hierarchy, and the intersection of rays with a leaf, shared by all
 //! traversals.
 
-use super::compact::{Layout, MIN_LEAVES_PER_THREAD, TriangleLeaves};
-use super::leaf::{TriangleLeaf, intersect_one};
-use super::precalculated::SingleRay;
-use super::quadrics::QuadricLeaf;
 use crate::bvh::{Bvh, Child, Trees, WIDE, WideNode, slots};
 use crate::coordinates::Coordinates;
 use crate::geometry::Geometry;
 use crate::kernel::ray_box::Padding;
+use crate::kind::Kind;
+use crate::kind::sphere::SphereLeaf;
+use crate::kind::triangle::{Layout, MIN_LEAVES_PER_THREAD, TriangleLeaf, TriangleLeaves, intersect_one};
 use crate::lane::Lane;
 use crate::math::{Hit, Ray};
+use crate::prepared::SingleRay;
 use rayon::prelude::*;
 
 /// The bounding volume hierarchy, and the primitives of its leaves as intersection reads them.
@@ -22,7 +22,7 @@ pub struct Hierarchy {
     /// Where the coordinates of the primitives are in the world.
     pub(super) coordinates: Coordinates,
     triangles: TriangleLeaves,
-    pub(super) quadrics: Vec<QuadricLeaf>,
+    spheres: Vec<SphereLeaf>,
 }
 
 impl Hierarchy {
@@ -34,10 +34,13 @@ impl Hierarchy {
     /// The same with the leaves of triangles in a given layout; `None` chooses by their size.
     pub fn in_layout(geometry: &Geometry, trees: Trees, layout: Option<Layout>) -> Self {
         let (bvh, padding) = rayon::join(|| Bvh::new(geometry, trees), || geometry.padding());
-        let quadrics = bvh.quadric_leaves.par_iter().with_min_len(MIN_LEAVES_PER_THREAD);
+        let leaves = |kind: Kind| bvh.leaves[kind as usize].as_slice();
+        let spheres = leaves(Kind::Sphere).par_iter().with_min_len(MIN_LEAVES_PER_THREAD);
+        let triangles = (geometry.counts().first(Kind::Triangle), geometry.triangles.as_slice());
+        let node_bytes = size_of_val(bvh.wide.as_slice());
         Self {
-            triangles: TriangleLeaves::new(geometry, &bvh, layout),
-            quadrics: quadrics.map(|leaf| QuadricLeaf::new(geometry, leaf)).collect(),
+            triangles: TriangleLeaves::new(triangles, leaves(Kind::Triangle), node_bytes, layout),
+            spheres: spheres.map(|leaf| SphereLeaf::new(&geometry.spheres, leaf)).collect(),
             coordinates: geometry.coordinates,
             padding,
             bvh,
@@ -46,7 +49,7 @@ impl Hierarchy {
 
     /// Bytes of nodes and leaves.
     pub fn bytes(&self) -> usize {
-        self.bvh.bytes() + self.triangles.bytes() + size_of_val(self.quadrics.as_slice())
+        self.bvh.bytes() + self.triangles.bytes() + size_of_val(self.spheres.as_slice())
     }
 
     /// Number of primitives of a leaf.
@@ -57,25 +60,26 @@ impl Hierarchy {
     /// One ray against all primitives of a leaf at once.
     #[inline(always)]
     pub fn intersect_leaf(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
-        if leaf.is_quadrics() {
-            self.quadrics[leaf.index()].intersect(&ray.ray, hit);
-        } else {
-            self.with_triangles(leaf.index(), |leaf| {
+        match leaf.kind() {
+            Kind::Sphere => self.spheres[leaf.index()].intersect(&ray.ray, hit),
+            Kind::Triangle => self.with_triangles(leaf.index(), |leaf| {
                 leaf.accept(leaf.candidates(ray.woop.stored()), &ray.woop, &ray.box_ray, hit);
-            });
+            }),
         }
     }
 
     /// One ray against the primitives of a leaf, one after the other: for the scalar baseline.
     #[inline(always)]
     pub fn intersect_leaf_one_by_one(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
-        if leaf.is_quadrics() {
-            self.quadrics[leaf.index()].intersect_packet(&ray.ray, hit);
-        } else {
-            let triangles = &self.triangles;
-            for (lane, &primitive) in self.bvh.triangle_leaves[leaf.index()].primitives().iter().enumerate() {
-                let corners = triangles.corners(leaf.index(), lane);
-                intersect_one(corners, primitive, &ray.woop, &ray.box_ray, hit);
+        match leaf.kind() {
+            Kind::Sphere => {
+                self.spheres[leaf.index()].intersect_packet(&ray.ray, hit);
+            }
+            Kind::Triangle => {
+                for (lane, &primitive) in self.bvh.leaf(leaf).primitives().iter().enumerate() {
+                    let corners = self.triangles.corners(leaf.index(), lane);
+                    intersect_one(corners, primitive, &ray.woop, &ray.box_ray, hit);
+                }
             }
         }
     }
@@ -102,20 +106,28 @@ impl Hierarchy {
         leaves
     }
 
-    /// Fetches the cache lines of a node or of a leaf of triangles ahead of its visit. Leaves of quadrics are
+    /// Fetches the cache lines of a node or of a leaf of triangles ahead of its visit. Leaves of spheres are
     /// few, and not fetched.
     #[inline(always)]
     pub fn prefetch(&self, child: Child) {
         if !child.is_leaf() {
-            self.bvh.wide[child.index()].prefetch();
-        } else if !child.is_quadrics() {
-            self.triangles.prefetch(child.index());
+            return self.bvh.wide[child.index()].prefetch();
+        }
+        match child.kind() {
+            Kind::Sphere => {}
+            Kind::Triangle => self.triangles.prefetch(child.index()),
         }
     }
 
-    /// A packet against the quadrics of a leaf, one after the other.
+    /// Improves the hits of a packet with the spheres of a leaf, one after the other. Returns whether any hit
+    /// was nearer.
     #[inline(never)]
-    pub fn intersect_quadrics_packet<L: Lane>(&self, leaf: usize, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
-        self.quadrics[leaf].intersect_packet(ray, hit)
+    pub fn intersect_spheres_packet<L: Lane>(&self, leaf: usize, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
+        self.spheres[leaf].intersect_packet(ray, hit)
+    }
+
+    /// Improves the hit of one ray with the spheres of a leaf.
+    pub fn intersect_spheres(&self, leaf: usize, ray: &Ray<f32>, hit: &mut Hit<f32>) {
+        self.spheres[leaf].intersect(ray, hit);
     }
 }

@@ -2,32 +2,23 @@
 //!
 //! | file | traversal |
 //! |---|---|
-//! | `list` | every primitive is tested, or the [`Candidates`] of the rays |
+//! | `list` | every primitive is tested, or the [`Candidates`](crate::Candidates) of the rays |
 //! | [`scalar`] | one ray on the binary tree, one box and one primitive at a time: the baseline |
 //! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //!
 //! A [`Structure`] holds the list or the hierarchy, and a [`Tracer`] answers queries by it. Traversals share
-//! [`hierarchy`] (nodes and leaves),
-//! `leaf` (how rays intersect triangles), `quadrics` (all else), `compact` (the leaves of large hierarchies),
-//! `precalculated` (rays ready for boxes and triangles), [`rays`] (columns of rays and hits), [`stack`], and
-//! [`counter`], which counts the tests.
+//! [`hierarchy`] (nodes and leaves), [`stack`], and [`counter`], which counts the tests.
 //!
-//! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order,
-//! quadrics first, then triangles, the nearest t winning and the lower index on a tie.
+//! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order. The
+//! nearest t wins, and the lower number on a tie.
 
-pub mod candidates;
-mod compact;
 pub mod counter;
 pub mod frustum;
 pub mod hierarchy;
-mod leaf;
 mod list;
 mod occluders;
-mod precalculated;
-mod quadrics;
-pub mod rays;
 pub mod scalar;
 pub mod single;
 pub mod stack;
@@ -36,10 +27,6 @@ mod structure;
 pub mod tile;
 mod tracer;
 
-pub use candidates::Candidates;
-pub use compact::Layout;
-pub use list::{List, TriangleTest};
-pub use precalculated::{Packet, SingleRay};
-pub use quadrics::SphereTest;
+pub use list::List;
 pub use structure::{MAX_LIST_COST, Structure, TRIANGLE_COST, list_cost};
 pub use tracer::{Tracer, Traversal};

@@ -4,11 +4,12 @@
 //! wall, comes between no two points of them; nor does one that holds all targets, nor a sphere with
 //! everything inside. In rooms with few other surfaces that leaves few tests.
 
-use super::candidates::Candidates;
 use super::hierarchy::Hierarchy;
 use super::structure::{MAX_LIST_COST, list_cost};
 use crate::bvh::Trees;
-use crate::geometry::{Geometry, Shape, Sphere};
+use crate::candidates::Candidates;
+use crate::geometry::{Geometry, Shape};
+use crate::kind::Sphere;
 use glam::DVec3;
 
 /// How far beyond a plane or sphere a surface may reach that counts as on its near side, as a multiple of the
@@ -42,7 +43,7 @@ impl Occluders {
         }
         let (mut candidates, surfaces) = (Candidates::default(), Surfaces::new(geometry, is_target));
         let may_occlude = |number: usize, shape: Shape| surfaces.may_occlude(number, shape);
-        candidates.keep(geometry, may_occlude);
+        geometry.find_candidates(&mut candidates, may_occlude);
         (candidates.len() < geometry.len()).then(|| {
             let hierarchy = hierarchy.map(|(all, trees)| {
                 // Hits are clamped to padded boxes: the padding of the whole scene gives the same bits.

@@ -3,11 +3,11 @@
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
-use super::precalculated::SingleRay;
 use super::stack::pop_within;
 use crate::bvh::{Child, MAX_DEPTH};
 use crate::kernel::ray_box::BoxRay;
 use crate::math::{Hit, MISS, Vec3};
+use crate::prepared::SingleRay;
 
 /// Improves `hit`, whose `t` comes in as the ray's t_max; with `ANY`, ends at the first hit found.
 ///

@@ -5,12 +5,12 @@
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
-use super::precalculated::{SingleRay, splat_box_ray};
 use super::stack::{Stack, pop_within};
 use crate::bvh::{Child, WIDE, WideNode};
 use crate::kernel::ray_box::BoxRay;
 use crate::lane::{Lane, Mask, Native, NativeMask};
 use crate::math::{Hit, MISS, Vec3};
+use crate::prepared::{SingleRay, splat_box_ray};
 
 /// A ray in all lanes, and the rows of a node's planes in the order in which the ray meets them:
 /// chosen once a ray by the direction's signs, where [`BoxRay::pass`] selects for each box.

@@ -1,15 +1,16 @@
 //! The structure that answers queries about primitives: a list of all, or a hierarchy.
 
-use super::candidates::Candidates;
 use super::hierarchy::Hierarchy;
-use super::list::{List, TriangleTest};
+use super::list::List;
 use super::occluders::Occluders;
-use super::quadrics::SphereTest;
 use super::tracer::Traversal;
 use crate::bvh::Trees;
 use crate::bvh::check::{Statistics, check_geometry};
+use crate::candidates::Candidates;
 use crate::coordinates::Coordinates;
 use crate::geometry::Geometry;
+use crate::kind::sphere::SphereTest;
+use crate::kind::triangle::TriangleTest;
 use crate::lane::NATIVE_WIDTH;
 use std::sync::Arc;
 
@@ -96,7 +97,7 @@ impl Structure {
         self
     }
 
-    /// Returns whether rays can be tested against [`Candidates`] alone: see [`super::rays::Rays::among`].
+    /// Returns whether rays can be tested against [`Candidates`] alone: see [`Rays::among`](crate::Rays::among).
     pub fn accepts_candidates(&self) -> bool {
         matches!(self.primitives, Primitives::List(_))
     }

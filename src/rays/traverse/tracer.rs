@@ -1,20 +1,20 @@
 //! Queries: closest hit and any hit, of whole batches of rays.
 
-use super::candidates::Candidates;
 use super::counter::{Counter, CounterSink, Counts};
 use super::hierarchy::Hierarchy;
 use super::list::List;
-use super::precalculated::SingleRay;
-use super::rays::{Hits, Rays};
 use super::stack::Stack;
 use super::stream::Stream;
 use super::structure::{Primitives, Structure};
 use super::tile::{self, Packets, TILE};
 use super::{scalar, single};
 use crate::bvh::Trees;
+use crate::candidates::Candidates;
+use crate::columns::{Hits, Rays};
 use crate::coordinates::Coordinates;
 use crate::lane::{F32x8, F32x16, NATIVE_WIDTH};
 use crate::math::{Hit, MISS, Ray};
+use crate::prepared::SingleRay;
 
 /// A traversal of the hierarchy. All give the same hits, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -310,7 +310,7 @@ fn one_by_one(
 ) {
     for at in 0..rays.len() {
         let mut hit = hits.get(at);
-        trace(&rays.single(at, hierarchy.padding), &mut hit);
+        trace(&SingleRay::new(rays.packet(at), hierarchy.padding), &mut hit);
         hits.set(at, &hit);
     }
 }

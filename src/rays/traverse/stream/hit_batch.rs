@@ -3,11 +3,12 @@
 use super::listed::{BATCH, axes_of, rays_of, update_hit};
 use super::stream_ray::StreamRay;
 use crate::bvh::LEAF;
+use crate::columns::Hits;
 use crate::kernel::ray_box::own_box;
+use crate::kind::keep_if_nearer;
+use crate::kind::triangle::{TriangleLeaf, box_of};
 use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, NativeMask};
 use crate::math::Vec3;
-use crate::traverse::leaf::{TriangleLeaf, box_of, keep_if_nearer};
-use crate::traverse::rays::Hits;
 
 /// A column: a number for each lane.
 type Column<T> = [T; NATIVE_WIDTH];

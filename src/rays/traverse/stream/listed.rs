@@ -1,11 +1,11 @@
 //! The entries of a stream's lists: rays of a batch, and how their hits are kept.
 
 use super::stream_ray::StreamRay;
+use crate::columns::Hits;
 use crate::kernel::ray_triangle::{StoredWoopRay, WoopRay};
+use crate::kind::triangle::TriangleLeaf;
 use crate::lane::{Bits, NativeBits};
 use crate::math::Hit;
-use crate::traverse::leaf::TriangleLeaf;
-use crate::traverse::rays::Hits;
 
 /// Rays of a batch: the most that a list entry can hold. Large batches share the reads of a large tree; the
 /// stream rays, 64 bytes each, need not stay in the second-level cache, as lists are read in order. Half as

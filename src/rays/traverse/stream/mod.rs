@@ -18,10 +18,11 @@ mod stream_ray;
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
-use super::leaf::TriangleLeaf;
-use super::rays::{Hits, Rays};
 use crate::bvh::{Child, WIDE, WideNode, slots};
+use crate::columns::{Hits, Rays};
 use crate::kernel::ray_box::Padding;
+use crate::kind::Kind;
+use crate::kind::triangle::TriangleLeaf;
 use crate::lane::compaction::{CHUNK, compress_where};
 use crate::lane::{Bits, F32x8, Lane, set_bits};
 use crate::math::Ray;
@@ -225,7 +226,10 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
-            self.quadrics::<ANY>(node.children()[slot], start, count);
+            match node.children()[slot].kind() {
+                Kind::Sphere => self.spheres::<ANY>(node.children()[slot], start, count),
+                Kind::Triangle => unreachable!("tested above"),
+            }
         }
         let mut order = [0u64; WIDE];
         let order = &mut order[..nodes.count_ones() as usize];
@@ -307,14 +311,14 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    fn quadrics<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
+    fn spheres<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
         let Stream { stream_rays, lists, .. } = &mut **stream;
         for &entry in &lists[start..start + count] {
             update_hit::<ANY>(entry, stream_rays, hits, |listed, hits| {
                 counter.leaf(hierarchy, leaf, 1);
                 let mut hit = listed.hit(hits);
-                hierarchy.quadrics[leaf.index()].intersect(&rays.packet(listed.ray()), &mut hit);
+                hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);
                 Some(hit)
             });
         }

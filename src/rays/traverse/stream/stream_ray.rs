@@ -1,10 +1,10 @@
 //! The rays of a stream as they are kept, and their octants.
 
+use crate::columns::Hits;
 use crate::kernel::ray_box::{BoxRay, Padding};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleMethod, Woop, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, Mask, Native, NativeBits, U32x8};
 use crate::math::{Hit, MISS, Ray, Vec3};
-use crate::traverse::rays::Hits;
 use bytemuck::{Pod, Zeroable};
 
 /// Whether boxes are tested with the two planes of an axis ordered by their t, or by the ray's octant. AMD's

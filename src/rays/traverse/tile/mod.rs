@@ -21,12 +21,13 @@ pub use entry_points::{MAX_ENTRY_POINTS, Packets};
 use super::counter::CounterSink;
 use super::frustum::{Frustum, FrustumAxis, greatest};
 use super::hierarchy::Hierarchy;
-use super::precalculated::Packet;
-use super::rays::{Hits, Rays};
 use super::stack::{Stack, pop_within};
 use crate::bvh::{Child, WIDE};
+use crate::columns::{Hits, Rays};
+use crate::kind::Kind;
 use crate::lane::{Bits, F32x8, F32x16, Lane, Mask, U32x8, set_bits};
 use crate::math::Hit;
+use crate::prepared::Packet;
 use entry_points::EntryPoints;
 use sharing::SeenTile;
 
@@ -136,14 +137,22 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
 
     #[inline(always)]
     fn leaf(&mut self, leaf: Child) {
-        if leaf.is_quadrics() {
-            self.counter.packet_quadrics(self.hierarchy, leaf, L::WIDTH);
-            if self.hierarchy.intersect_quadrics_packet(leaf.index(), &self.packet.ray, &mut self.hit) {
-                self.shorten();
+        let closer = match leaf.kind() {
+            Kind::Sphere => {
+                self.counter.packet_spheres(self.hierarchy, leaf, L::WIDTH);
+                self.hierarchy.intersect_spheres_packet(leaf.index(), &self.packet.ray, &mut self.hit)
             }
-            return;
+            Kind::Triangle => self.triangles(leaf),
+        };
+        if closer {
+            self.shorten();
         }
-        let closer = self.hierarchy.with_triangles(leaf.index(), |triangles| {
+    }
+
+    /// Improves the hits with the triangles of a leaf. Returns whether any ray found a nearer hit.
+    #[inline(always)]
+    fn triangles(&mut self, leaf: Child) -> bool {
+        self.hierarchy.with_triangles(leaf.index(), |triangles| {
             let main = triangles.planes(self.frustum.axis());
             let (_, meets) =
                 self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
@@ -155,10 +164,7 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             set_bits(candidates).fold(false, |closer, lane| {
                 closer | triangles.accept_packet(lane, hierarchy.padding, packet, hit)
             })
-        });
-        if closer {
-            self.shorten();
-        }
+        })
     }
 
     /// Shortens the limit to the furthest of the rays' nearest hits.

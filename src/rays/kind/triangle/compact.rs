@@ -5,8 +5,7 @@
 //! visited, in streams once for all rays of a node. The vertices keep their bits.
 
 use super::leaf::TriangleLeaf;
-use crate::bvh::{Bvh, LEAF, Leaf};
-use crate::geometry::Geometry;
+use crate::kind::{LEAF, Leaf};
 use crate::lane::{Bits, Lane, Mask, Native, NativeBits, U32x16, prefetch};
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
@@ -27,7 +26,7 @@ const MAX_FULL: usize = if LEAF == 8 { 8 << 20 } else { 16 << 20 };
 /// fit.
 const SAMPLED: usize = 64;
 /// Fewest leaves for another thread to fill.
-pub(super) const MIN_LEAVES_PER_THREAD: usize = 256;
+pub(crate) const MIN_LEAVES_PER_THREAD: usize = 256;
 
 /// Columns of vertices in a compact leaf, the last one NaN for the corners of absent triangles. Nearly all
 /// leaves of scanned and of procedural meshes have no more vertices.
@@ -129,7 +128,7 @@ impl CompactLeaf {
 }
 
 /// All leaves of triangles of a hierarchy, by their index.
-pub(super) struct TriangleLeaves {
+pub struct TriangleLeaves {
     /// All of them, or those that have too many vertices.
     full: Vec<TriangleLeaf>,
     /// All of them, or empty.
@@ -143,12 +142,16 @@ enum Stored<'a> {
 }
 
 impl TriangleLeaves {
-    /// `None` takes the layout that suits the hierarchy.
-    pub fn new(geometry: &Geometry, bvh: &Bvh, layout: Option<Layout>) -> Self {
-        let leaves = bvh.triangle_leaves.as_slice();
-        let first = geometry.spheres.len();
+    /// Stores the triangles of all leaves. The first triangle has the number `first`, and the hierarchy's
+    /// nodes take `node_bytes`; without a layout, the one that suits the hierarchy is taken.
+    pub fn new(
+        (first, triangles): (usize, &[[glam::Vec3; 3]]),
+        leaves: &[Leaf],
+        node_bytes: usize,
+        layout: Option<Layout>,
+    ) -> Self {
         let corners_of =
-            |primitive: u32| geometry.triangles[primitive as usize - first].map(|vertex| vertex.to_array());
+            |primitive: u32| triangles[primitive as usize - first].map(|vertex| vertex.to_array());
         let full = |leaf: &Leaf| {
             let mut full = TriangleLeaf { primitives: *leaf, ..TriangleLeaf::EMPTY };
             for (lane, &primitive) in leaf.primitives().iter().enumerate() {
@@ -160,7 +163,7 @@ impl TriangleLeaves {
         };
         let compact = |leaf: &Leaf| CompactLeaf::new(leaf, corners_of);
         let suits = || {
-            let bytes = size_of_val(bvh.wide.as_slice()) + leaves.len() * size_of::<TriangleLeaf>();
+            let bytes = node_bytes + leaves.len() * size_of::<TriangleLeaf>();
             let sampled = leaves.iter().step_by(SAMPLED);
             let fit = sampled.clone().filter(|leaf| compact(leaf).is_some()).count();
             bytes > MAX_FULL && 4 * fit >= 3 * sampled.len()
@@ -237,6 +240,7 @@ impl TriangleLeaves {
         }
     }
 
+    /// Returns the bytes of all leaves.
     pub fn bytes(&self) -> usize {
         size_of_val(self.full.as_slice()) + size_of_val(self.compact.as_slice())
     }

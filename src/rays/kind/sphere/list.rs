@@ -1,14 +1,11 @@
-//! Quadrics, which are all primitives but triangles, as rays intersect them: in a list, and in the leaves of
-//! a hierarchy.
+//! Rays against a list of spheres.
 
-use super::leaf::{inclusive, keep_if_nearer};
-use super::rays::{Hits, Rays};
-use crate::bvh::{LEAF, Leaf};
-use crate::geometry::{self, Geometry};
+use super::Sphere;
+use crate::columns::{Hits, Rays};
 use crate::kernel::ray_sphere::{Naive, Robust, SphereMethod};
 use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
-use crate::lane::{Bits, Lane, Mask, Native};
-use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::lane::{Bits, Lane, Mask};
+use crate::math::{MISS, Vec3};
 
 /// A ray–sphere intersection method of the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -30,40 +27,41 @@ const fn min_culled_spheres(width: usize) -> usize {
 /// How many spheres are culled at a time.
 const CHUNK: usize = 64;
 
-/// All quadrics, in the order of their numbers.
-pub(super) struct Quadrics {
-    sphere: SphereTest,
-    spheres: Vec<Sphere>,
+/// All spheres, in the order of their numbers.
+pub struct List {
+    test: SphereTest,
+    spheres: Vec<Row>,
     culled_spheres: Vec<CulledSphere>,
 }
 
 /// A sphere as tests read it.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
-struct Sphere {
+struct Row {
     center: glam::Vec3,
     radius2: f32,
 }
 
-impl Quadrics {
-    /// Stores all quadrics for an intersection method.
-    pub fn new(geometry: &Geometry, sphere: SphereTest) -> Self {
-        let spheres = geometry.spheres.iter().map(|sphere| (sphere.center, sphere.radius));
-        let stored = spheres.clone().map(|(center, radius)| Sphere { center, radius2: radius * radius });
+impl List {
+    /// Stores all spheres for an intersection method.
+    pub fn new(spheres: &[Sphere], test: SphereTest) -> Self {
+        let row = |&Sphere { center, radius }: &Sphere| Row { center, radius2: radius * radius };
+        let culled = |&Sphere { center, radius }: &Sphere| CulledSphere::new(center, radius);
         Self {
-            sphere,
-            spheres: stored.collect(),
-            culled_spheres: spheres.map(|(center, radius)| CulledSphere::new(center, radius)).collect(),
+            test,
+            spheres: spheres.iter().map(row).collect(),
+            culled_spheres: spheres.iter().map(culled).collect(),
         }
     }
 
+    /// Returns the number of spheres.
     pub fn len(&self) -> usize {
         self.spheres.len()
     }
 
-    /// Finds the nearest hit of each ray among all quadrics or those `listed`; overwrites the hits.
+    /// Finds the nearest hit of each ray among all spheres or those `listed`; overwrites the hits.
     pub fn trace<L: Lane>(&self, rays: &Rays, hits: &mut Hits, listed: Option<&[u32]>) {
-        match self.sphere {
+        match self.test {
             SphereTest::Robust => self.trace_listed::<L, Robust>(rays, hits, listed),
             SphereTest::Naive => self.trace_listed::<L, Naive>(rays, hits, listed),
         }
@@ -126,7 +124,7 @@ struct SphereTests<L: Lane, S: SphereMethod> {
 
 impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
     #[inline(always)]
-    fn test(&mut self, number: u32, sphere: &Sphere) {
+    fn test(&mut self, number: u32, sphere: &Row) {
         let (meets, equation) = S::equation(&self.ray, Vec3::splat(sphere.center), L::splat(sphere.radius2));
         // Only of a single ray the rest of the test is skipped. Whether any ray of a packet meets a sphere is
         // often predicted wrong, which costs more than a square root and a division.
@@ -136,65 +134,5 @@ impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
         let (nearer, t) = S::solve(&self.ray, (meets, equation), self.t);
         self.t = L::select(nearer, t, self.t);
         self.primitive = L::Bits::select(nearer, L::Bits::splat(number), self.primitive);
-    }
-}
-
-/// Up to [`LEAF`] quadrics as a structure of arrays.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub(super) struct QuadricLeaf {
-    center: [[f32; LEAF]; 3],
-    /// Squared; negative where there is no sphere, so that no ray hits it.
-    radius2: [f32; LEAF],
-    primitives: Leaf,
-}
-
-impl QuadricLeaf {
-    pub fn new(geometry: &Geometry, leaf: &Leaf) -> Self {
-        let mut stored = Self { center: [[0.0; LEAF]; 3], radius2: [-1.0; LEAF], primitives: *leaf };
-        for (lane, &primitive) in leaf.primitives().iter().enumerate() {
-            let geometry::Sphere { center, radius } = geometry.spheres[primitive as usize];
-            (0..3).for_each(|axis| stored.center[axis][lane] = center[axis]);
-            stored.radius2[lane] = radius * radius;
-        }
-        stored
-    }
-
-    /// Centre and squared radius of one sphere in all lanes.
-    #[inline(always)]
-    fn sphere<L: Lane>(&self, lane: usize) -> (Vec3<L>, L) {
-        let [x, y, z] = &self.center;
-        (Vec3::new(L::splat(x[lane]), L::splat(y[lane]), L::splat(z[lane])), L::splat(self.radius2[lane]))
-    }
-
-    /// One ray against the quadrics, one a lane.
-    #[inline(never)]
-    pub fn intersect(&self, ray: &Ray<f32>, hit: &mut Hit<f32>) {
-        let ray = Ray {
-            origin: ray.origin.each_ref().broadcast(),
-            direction: ray.direction.each_ref().broadcast(),
-        };
-        let [x, y, z] = &self.center;
-        let center = Vec3::new(Native::load(x), Native::load(y), Native::load(z));
-        let radius2 = Native::load(&self.radius2);
-        let limit = Native::splat(inclusive(hit.t));
-        let (mask, t) = Robust::test(&Robust::precalculate(&ray), center, radius2, limit);
-        for lane in mask.lanes() {
-            keep_if_nearer(true, self.primitives.primitives[lane], [t.get(lane), 0.0, 0.0], hit);
-        }
-    }
-
-    /// A packet against the quadrics, one after the other; whether any hit was nearer.
-    #[inline(always)]
-    pub fn intersect_packet<L: Lane>(&self, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
-        let mut closer = false;
-        let precalculated = Robust::precalculate(ray);
-        for (lane, &primitive) in self.primitives.primitives().iter().enumerate() {
-            let (center, radius2) = self.sphere::<L>(lane);
-            let infinite = L::splat(f32::INFINITY);
-            let (mask, t) = Robust::test::<L>(&precalculated, center, radius2, infinite);
-            closer |= keep_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
-        }
-        closer
     }
 }

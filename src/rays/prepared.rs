@@ -28,11 +28,11 @@ impl SingleRay {
 pub struct Packet<L: Lane> {
     /// The rays themselves.
     pub ray: Ray<L>,
-    pub(super) woop: WoopRay<L>,
+    pub(crate) woop: WoopRay<L>,
     /// See [`WoopRay::common_axis`].
-    pub(super) axis: Option<u32>,
+    pub(crate) axis: Option<u32>,
     /// Computed for the first hit: many packets hit nothing.
-    pub(super) box_ray: Option<BoxRay<L>>,
+    pub(crate) box_ray: Option<BoxRay<L>>,
 }
 
 impl<L: Lane> Packet<L> {
@@ -46,7 +46,7 @@ impl<L: Lane> Packet<L> {
 
 /// A ray broadcast to all lanes.
 #[inline(always)]
-pub(super) fn splat_box_ray(box_ray: &BoxRay<f32>) -> BoxRay<Native> {
+pub(crate) fn splat_box_ray(box_ray: &BoxRay<f32>) -> BoxRay<Native> {
     let all = |v: &Vec3<f32>| v.each_ref().broadcast();
     BoxRay { inverse: all(&box_ray.inverse), near: all(&box_ray.near), far: all(&box_ray.far) }
 }

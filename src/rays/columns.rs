@@ -1,8 +1,6 @@
 //! Rays and hits as columns: what every traversal reads and writes.
 
-use super::candidates::Candidates;
-use super::precalculated::SingleRay;
-use crate::kernel::ray_box::Padding;
+use crate::candidates::Candidates;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use std::ops::Range;
@@ -65,7 +63,7 @@ impl<'a> Rays<'a> {
             count: direction[0].len(),
         }
     }
-    /// The first `count` rays of longer columns. A [`super::List`] reads and writes whole packets: there the
+    /// The first `count` rays of longer columns. A list reads and writes whole packets: there the
     /// columns of rays and hits go on to the end of the last one.
     pub fn first(self, count: usize) -> Self {
         Self { count, ..self }
@@ -75,12 +73,12 @@ impl<'a> Rays<'a> {
         Self { t_max: Some(t_max), ..self }
     }
     /// Returns the same rays with all primitives that they can hit, if those are known. Only
-    /// [`super::Structure::accepts_candidates`] reads them.
+    /// [`crate::Structure::accepts_candidates`] reads them.
     pub fn among(self, candidates: Option<&'a Candidates>) -> Self {
         Self { candidates, ..self }
     }
     /// Returns all primitives that the rays can hit, if those are known.
-    pub(super) fn candidates(&self) -> Option<&'a Candidates> {
+    pub(crate) fn candidates(&self) -> Option<&'a Candidates> {
         self.candidates
     }
     /// The number of rays.
@@ -102,11 +100,11 @@ impl<'a> Rays<'a> {
     }
     /// The t_max of `WIDTH` rays from `at` on.
     #[inline(always)]
-    pub(super) fn t_max<L: Lane>(&self, at: usize) -> L {
+    pub(crate) fn t_max<L: Lane>(&self, at: usize) -> L {
         self.t_max.map_or(L::splat(f32::INFINITY), |t_max| L::load(&t_max[at..]))
     }
     /// Whether all rays begin at this point.
-    pub(super) fn begin_at(&self, point: [f32; 3]) -> bool {
+    pub(crate) fn begin_at(&self, point: [f32; 3]) -> bool {
         match &self.origin {
             Origin::Common(origin) => origin.to_array() == point,
             Origin::Each(columns) => columns.iter().zip(point).all(|(column, x)| {
@@ -115,11 +113,6 @@ impl<'a> Rays<'a> {
                 packets.iter().fold(Mask8::splat(true), same).all() && rest.iter().all(|&o| o == x)
             }),
         }
-    }
-    /// One ray, prepared.
-    #[inline(always)]
-    pub fn single(&self, at: usize, padding: Padding) -> SingleRay {
-        SingleRay::new(self.packet::<f32>(at), padding)
     }
     /// Some of the rays.
     pub fn range(&self, range: Range<usize>) -> Rays<'a> {
@@ -135,7 +128,7 @@ impl<'a> Rays<'a> {
 
 impl Hits<'_> {
     /// Nothing, before the end of each ray.
-    pub(super) fn reset(&mut self, rays: &Rays) {
+    pub(crate) fn reset(&mut self, rays: &Rays) {
         let t = &mut self.t[..rays.count];
         match rays.t_max {
             Some(t_max) => t.copy_from_slice(&t_max[..rays.count]),
@@ -168,12 +161,12 @@ impl Hits<'_> {
     }
     /// Distance and primitive of `WIDTH` hits.
     #[inline(always)]
-    pub(super) fn nearest<L: Lane>(&self, at: usize) -> (L, L::Bits) {
+    pub(crate) fn nearest<L: Lane>(&self, at: usize) -> (L, L::Bits) {
         (L::load(&self.t[at..]), L::Bits::load(&self.primitive[at..]))
     }
     /// Replaces distance and primitive of `WIDTH` hits.
     #[inline(always)]
-    pub(super) fn store_nearest<L: Lane>(&mut self, at: usize, t: L, primitive: L::Bits) {
+    pub(crate) fn store_nearest<L: Lane>(&mut self, at: usize, t: L, primitive: L::Bits) {
         t.store(&mut self.t[at..]);
         primitive.store(&mut self.primitive[at..]);
     }

@@ -1,32 +1,24 @@
-//! Leaves of triangles, as rays intersect them, and which hits rays keep.
+//! Rays against the triangles of a leaf.
 
-use super::precalculated::Packet;
-use crate::bvh::{LEAF, Leaf};
 use crate::kernel::ray_box::{BoxRay, Padding, own_box};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, WoopRay};
-use crate::lane::{Bits, Lane, Mask, Native, set_bits};
+use crate::kind::{LEAF, Leaf, inclusive, keep_if_nearer};
+use crate::lane::{Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
+use crate::prepared::Packet;
 
 /// Up to [`LEAF`] triangles: 40 bytes each.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct TriangleLeaf {
-    pub(super) vertices: TriangleBlock,
-    pub(super) primitives: Leaf,
-}
-
-/// The limit that lets hits at `t` itself pass: among equal distances the lowest number wins, in any order of
-/// tests.
-#[inline(always)]
-pub(super) fn inclusive(t: f32) -> f32 {
-    // Not next_up: its special cases would cost branches. t is positive, or −∞ for rays that are done.
-    if (0.0..f32::INFINITY).contains(&t) { f32::from_bits(t.to_bits() + 1) } else { t }
+    pub(crate) vertices: TriangleBlock,
+    pub(crate) primitives: Leaf,
 }
 
 /// Lower and upper corner of the box of a triangle: exact. [`crate::kernel::surface::triangle_bounds`]
 /// over lanes.
 #[inline(always)]
-pub(super) fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
+pub fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
     let x = extent_along([a.x, b.x, c.x]);
     let y = extent_along([a.y, b.y, c.y]);
     let z = extent_along([a.z, b.z, c.z]);
@@ -39,25 +31,9 @@ fn extent_along<L: Lane>([a, b, c]: [L; 3]) -> [L; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
-/// Keeps hits that are nearer, or as near and of a lower number; whether any lane's was kept.
-#[inline(always)]
-pub(super) fn keep_if_nearer<L: Lane>(
-    mask: L::Mask,
-    primitive: u32,
-    [t, u, v]: [L; 3],
-    hit: &mut Hit<L>,
-) -> bool {
-    // MISS is the largest number: plus one it is 0, below every other, so that a hit at t_max itself is none.
-    let (number, one) = (L::Bits::splat(primitive), L::Bits::splat(1));
-    let lower = number.wrapping_add(one).less(hit.primitive.wrapping_add(one));
-    let nearer = mask & (t.lt(hit.t) | (t.eq(hit.t) & lower));
-    hit.replace(nearer, &Hit { t, primitive: number, u, v });
-    nearer.any()
-}
-
 impl TriangleLeaf {
     /// No triangle.
-    pub(super) const EMPTY: Self =
+    pub(crate) const EMPTY: Self =
         Self { vertices: [[[f32::NAN; LEAF]; 3]; 3], primitives: Leaf { primitives: [Leaf::NONE; LEAF] } };
 
     /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is no triangle.
@@ -84,7 +60,7 @@ impl TriangleLeaf {
     }
 
     #[inline(always)]
-    pub(super) fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
+    pub(crate) fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
         self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & (LEAF - 1)]))
     }
 
@@ -155,7 +131,7 @@ impl TriangleLeaf {
 
 /// One ray against one triangle given by its corners, with the rule of the own box.
 #[inline(always)]
-pub(super) fn intersect_one(
+pub fn intersect_one(
     corners: [[f32; 3]; 3],
     primitive: u32,
     woop: &WoopRay<f32>,

@@ -1,0 +1,31 @@
+//! Candidates: the primitives that some rays can hit, for tests of a list.
+
+use crate::kind::{Kind, KindCounts};
+
+/// The primitives of each kind in ascending order, each by its index among those of its kind.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Candidates([Vec<u32>; Kind::ALL.len()]);
+
+impl Candidates {
+    /// Returns the candidates of one kind.
+    pub fn of_kind(&self, kind: Kind) -> &[u32] {
+        &self.0[kind as usize]
+    }
+    /// Returns the number of candidates.
+    pub fn len(&self) -> usize {
+        self.0.iter().map(Vec::len).sum()
+    }
+    /// Returns whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Removes all candidates.
+    pub fn clear(&mut self) {
+        self.0.iter_mut().for_each(Vec::clear);
+    }
+    /// Adds a primitive of a geometry with these counts by its number.
+    pub fn push(&mut self, counts: KindCounts, number: usize) {
+        let kind = counts.kind_of(number);
+        self.0[kind as usize].push((number - counts.first(kind)) as u32);
+    }
+}

@@ -1,0 +1,25 @@
+//! Triangles.
+
+mod compact;
+mod leaf;
+mod list;
+
+pub(crate) use compact::MIN_LEAVES_PER_THREAD;
+pub use compact::{Layout, TriangleLeaves};
+pub use leaf::{TriangleLeaf, box_of, intersect_one};
+pub use list::{List, TriangleTest};
+
+use crate::kernel::surface::triangle_normal;
+use crate::math::Vec3;
+
+/// Returns the point with the barycentric weights `u` and `v`, and the geometric unit normal.
+pub fn surface([a, b, c]: [glam::Vec3; 3], [u, v]: [f32; 2]) -> (Vec3<f32>, Vec3<f32>) {
+    let [first, ab, ac] = [a, b - a, c - a].map(Vec3::splat);
+    (ab.mul_add(u, ac.mul_add(v, first)), Vec3::splat(triangle_normal([a, b, c])))
+}
+
+/// Returns the distance of a point from a triangle's plane.
+pub fn distance(vertices: [glam::Vec3; 3], point: glam::DVec3) -> f64 {
+    let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+    (point - a).dot((b - a).cross(c - a).normalize()).abs()
+}

@@ -12,31 +12,39 @@
 //! # Ok::<(), octray::scene::SceneError>(())
 //! ```
 //!
-//! # Packages
-//! This crate is the program; it re-exports the modules of five packages. Each package imports only those
-//! above it.
+//! # Packages, and the way of a frame through them
+//! This crate is the program; it re-exports the modules of the other packages. Each package imports only those
+//! that stand left of it or above it.
+//!
+//! ```text
+//!  octray-rays ────> octray-engine ──┬──> octray-formats ──┬──> octray-viewer ──┬──> octray
+//!  lanes, kernels,   scene, buffers, │    scene files,     │    terminal and    │    commands,
+//!  kinds, hierarchy, lights, film,   │    models, pictures │    window          │    reports
+//!  traversal         render          └──> octray-display ──┴──> octray-laboratory
+//!                                         denoiser,             f64 reference,
+//!                                         reprojection          measurements
+//!
+//!  scene file ──> Scene                  formats: read and checked
+//!  Scene ──> Buffers, Lights, Structure   engine, rays: flattened; a list or a hierarchy of the primitives
+//!
+//!  each sample of a tile:
+//!    generate ──> closest ──> shade ──> occluded ──> Film
+//!                    ^          │
+//!                    └── bounce ┘
+//!
+//!  Film ──> picture file                  tone, formats
+//!       └─> screen                        display, viewer
+//! ```
 //!
 //! | package | modules |
 //! |---|---|
-//! | [`rays`] (`octray-rays`) | the tracing core: closest hit and any hit of rays |
-//! | [`octray_engine`] | from a scene to a film: see its front page for the architecture |
-//! | [`octray_display`] | [`display`]: filters for the screen and the charts |
-//! | [`octray_formats`] | [`scene`] files, [`output`] files, [`mod@checkpoint`] files, [`wording`] |
-//! | `octray_viewer` | `viewer` (feature `viewer`) |
-//! | [`octray_laboratory`] | [`mod@reference`], [`measure`], [`methods`] |
+//! | [`octray-rays`](../octray_rays/index.html) | [`rays`]: the tracing core, closest hit and any hit of rays |
+//! | [`octray-engine`](../octray_engine/index.html) | from a scene to a film: [`buffers`], [`integrate`], [`film`], [`render`] |
+//! | [`octray-display`](../octray_display/index.html) | [`display`]: filters for the screen and the charts |
+//! | [`octray-formats`](../octray_formats/index.html) | [`scene`] files, [`output`] files, [`mod@checkpoint`] files, [`wording`] |
+//! | [`octray-viewer`](../octray_viewer/index.html) | `viewer` (feature `viewer`) |
+//! | [`octray-laboratory`](../octray_laboratory/index.html) | [`mod@reference`], [`measure`], [`methods`] |
 //! | `octray` | [`machine`], [`report`], [`cli`] |
-//!
-//! # From a scene file to a picture file
-//! Each form is built from the one above it.
-//!
-//! | form | what it is | module |
-//! |---|---|---|
-//! | scene file | what the user wrote | [`scene`] |
-//! | [`scene::Scene`] | the validated scene | [`scene`] |
-//! | [`buffers::Buffers`] and its features | structure-of-arrays buffers, and what the scene uses | [`buffers`] |
-//! | packets and queues | 8 or 16 rays and a mask; the paths of a tile in structure-of-arrays form | [`math`], [`integrate`] |
-//! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
-//! | picture file | the displayed or linear picture | [`output`] |
 //!
 //! # Modules of this package
 //! Each imports only those above it.

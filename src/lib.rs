@@ -13,8 +13,8 @@
 //! ```
 //!
 //! # Packages, and the way of a frame through them
-//! This crate is the program; it re-exports the modules of the other packages. Each package imports only those
-//! that stand left of it or above it.
+//! This crate is the program; it re-exports the modules of the other packages. Each package imports only
+//! those to its left.
 //!
 //! ```text
 //!  octray-rays ────> octray-engine ──┬──> octray-formats ──┬──> octray-viewer ──┬──> octray

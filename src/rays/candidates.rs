@@ -1,6 +1,6 @@
 //! Candidates: the primitives that some rays can hit, for tests of a list.
 
-use crate::kind::{Kind, KindCounts};
+use crate::numbering::{Kind, KindCounts};
 
 /// The primitives of each kind in ascending order, each by its index among those of its kind.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

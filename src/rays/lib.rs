@@ -33,8 +33,9 @@
 //! | [`coordinates`] | the coordinates of the world and those of a structure |
 //! | [`kernel`] | equations of rays with boxes, spheres and triangles; points on surfaces |
 //! | [`prepared`] | rays ready for tests: what is computed once for a ray or a packet |
-//! | [`kind`] | the kinds of primitives: a folder each |
+//! | [`numbering`] | the kinds of primitives, and how primitives are numbered |
 //! | [`candidates`], [`columns`] | the primitives that rays can hit; rays and hits as columns |
+//! | [`kind`] | the kinds of primitives: a folder each |
 //! | [`geometry`] | all primitives of a scene |
 //! | [`bvh`] | the bounding volume hierarchy: built and checked |
 //! | [`traverse`] | closest hit and any hit, by a list or through the hierarchy |
@@ -59,6 +60,7 @@ pub mod kernel;
 pub mod kind;
 pub mod lane;
 pub mod math;
+pub mod numbering;
 pub mod prepared;
 pub mod traverse;
 
@@ -66,6 +68,7 @@ pub use candidates::Candidates;
 pub use columns::{Hits, Rays};
 pub use coordinates::Coordinates;
 pub use geometry::{Geometry, Shape};
-pub use kind::{Kind, KindCounts, Sphere};
+pub use kind::Sphere;
 pub use math::MISS;
+pub use numbering::{Kind, KindCounts};
 pub use traverse::{Structure, Tracer, Traversal};

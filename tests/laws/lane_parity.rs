@@ -317,7 +317,7 @@ same_at_every_width! {
         values.extend(vector(bsdf::albedo::compensated(color, d, n, alpha)));
         let plastic = bsdf::plastic::Plastic { color, alpha, ior, transmitted: L::splat(0.9) };
         let view = plastic.view(d, n);
-        let (drawn, weight) = plastic.sample(&view, d, normals, v, (u, v));
+        let (drawn, weight) = plastic.sample(&view, d, normals, [v, u, v]);
         values.extend(vector(drawn.wi).into_iter().chain(vector(weight)));
         values.extend([Float(drawn.pdf), Truth(drawn.alive)]);
         let lobe = plastic.evaluate(&view, d, normals, towards);

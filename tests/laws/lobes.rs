@@ -56,7 +56,7 @@ impl Lobe {
             }
             Lobe::Plastic { .. } => {
                 let plastic = self.plastic();
-                plastic.sample(&plastic.view(d, n), d, normals, choose, (u, v))
+                plastic.sample(&plastic.view(d, n), d, normals, [choose, u, v])
             }
             Lobe::MetalRough { .. } => self.metal_rough().sample(d, normals, choose, (u, v)),
         };

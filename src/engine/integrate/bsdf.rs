@@ -274,7 +274,7 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
         let (number, pair) = (self.lobe_number(), self.two_numbers());
         let plastic = self.material.plastic();
         self.plastic = plastic.view(self.d, lobes.specular);
-        let (lobe, weight) = plastic.sample(&self.plastic, self.d, lobes, number, pair);
+        let (lobe, weight) = plastic.sample(&self.plastic, self.d, lobes, [number, pair.0, pair.1]);
         self.take(mask, lobe);
         self.color = Vec3::select(mask, weight, self.color);
     }

@@ -13,7 +13,8 @@
 //! | [`check`] | validity and statistics |
 //!
 //! # What a traversal may rely on
-//! - Every primitive is in exactly one leaf; a leaf holds 1 to [`LEAF`] primitives of one kind, ascending. Leaves are in depth-first order.
+//! - Every primitive is in exactly one leaf; a leaf holds 1 to [`LEAF`] primitives of one kind, ascending.
+//!   Leaves are in depth-first order.
 //! - A child's box holds the boxes of all primitives below it exactly: planes are copied, never computed.
 //! - The root is node 0; it always exists, in the wide tree and in the binary one. A wide node's filled slots
 //!   come first; the others have an empty box (+∞, −∞), which no ray hits. A scene without primitives has an

@@ -97,7 +97,8 @@ impl Structure {
         self
     }
 
-    /// Returns whether rays can be tested against [`Candidates`] alone: see [`Rays::among`](crate::Rays::among).
+    /// Returns whether rays can be tested against [`Candidates`] alone: see
+    /// [`Rays::among`](crate::Rays::among).
     pub fn accepts_candidates(&self) -> bool {
         matches!(self.primitives, Primitives::List(_))
     }

@@ -131,8 +131,7 @@ impl<L: Lane> Plastic<L> {
         view: &PlasticView<L>,
         d: Vec3<L>,
         normals: &LobeNormals<L>,
-        uc: L,
-        (u, v): (L, L),
+        [uc, u, v]: [L; 3],
     ) -> (BsdfSample<L>, Vec3<L>) {
         let (n, probability) = (normals.specular, view.coat_probability);
         let (on_coat, cos) = ggx::sample_direction(d, n, self.alpha, u, v);

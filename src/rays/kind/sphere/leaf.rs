@@ -52,7 +52,8 @@ impl SphereLeaf {
         }
     }
 
-    /// Improves the hits of a packet with the spheres, one after the other. Returns whether any hit was nearer.
+    /// Improves the hits of a packet with the spheres, one after the other. Returns whether any hit was
+    /// nearer.
     #[inline(always)]
     pub fn intersect_packet<L: Lane>(&self, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
         let mut closer = false;

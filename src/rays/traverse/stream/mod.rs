@@ -148,6 +148,14 @@ impl Stream {
     }
 }
 
+/// Makes a vector at least so long.
+#[inline(always)]
+fn grow<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
+    if vector.len() < length {
+        vector.resize(length, T::default());
+    }
+}
+
 /// The traversal of those rays of a batch that are traced together.
 struct StreamTraversal<'a, 'b, C> {
     stream: &'a mut Stream,
@@ -181,12 +189,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         // Lists lie end to end, written by whole chunks: first one of rays that reach leaves of triangles,
         // then one for each other child.
         let most = (all.count_ones() as usize) * (count + CHUNK);
-        if lists.len() < free + most {
-            lists.resize(free + most, 0);
-        }
-        if tags.len() < most {
-            tags.resize(most, 0);
-        }
+        grow(lists, free + most);
+        grow(tags, most);
         // The list is read in whole chunks; the masks behind its end are cleared, so that entries there join
         // no list.
         masks[count..count + CHUNK].fill(0);

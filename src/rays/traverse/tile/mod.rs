@@ -40,7 +40,7 @@ const ROW: usize = F32x8::WIDTH;
 
 /// The traversal of one packet.
 struct PacketTraversal<'a, L: Lane, C> {
-    hierarchy: &'a Hierarchy,
+    tile: &'a TileTraversal<'a, C>,
     frustum: &'a Frustum,
     packet: Packet<L>,
     hit: Hit<L>,
@@ -50,28 +50,20 @@ struct PacketTraversal<'a, L: Lane, C> {
     limit: f32,
     /// Whether any ray found a nearer hit.
     closer: bool,
-    counter: C,
 }
 
 impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
     #[inline(always)]
     fn new(
-        hierarchy: &'a Hierarchy,
-        axis: &FrustumAxis,
+        tile: &'a TileTraversal<'a, C>,
         frustum: &'a Frustum,
         rays: &Rays,
         hits: &Hits,
         at: usize,
-        counter: C,
     ) -> Self {
-        let hit = Hit {
-            t: L::load(&hits.t[at..]),
-            primitive: L::Bits::load(&hits.primitive[at..]),
-            u: L::load(&hits.u[at..]),
-            v: L::load(&hits.v[at..]),
-        };
-        let (packet, depths) = (Packet::new(rays.packet::<L>(at)), axis.depths(rays, at));
-        Self { hierarchy, frustum, packet, hit, depths, limit: f32::INFINITY, closer: false, counter }
+        let hit = hits.packet(at);
+        let (packet, depths) = (Packet::new(rays.packet::<L>(at)), tile.axis.depths(rays, at));
+        Self { tile, frustum, packet, hit, depths, limit: f32::INFINITY, closer: false }
     }
 
     /// Visits the entry points that are set in `meets`. Before each visit it fetches one of `unread`, those
@@ -79,13 +71,13 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
     #[inline(always)]
     fn run(
         mut self,
-        entry_points: &EntryPoints,
         meets: u64,
         mut unread: impl Iterator<Item = usize>,
         hits: &mut Hits,
         at: usize,
         stack: &mut Stack,
     ) {
+        let TileTraversal { hierarchy, entry_points, .. } = *self.tile;
         // The mask lets the compiler drop the bounds checks.
         for entry in set_bits(meets).map(|entry| entry & (MAX_ENTRY_POINTS - 1)) {
             // The tile's frustum and the packet's have one axis, so the distances hold for the packet; they
@@ -93,14 +85,11 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             if entry_points.near[entry] > self.limit {
                 break;
             }
-            entry_points.prefetch_next(self.hierarchy, &mut unread);
+            entry_points.prefetch_next(hierarchy, &mut unread);
             self.visit(entry_points.children[entry], stack);
         }
         if self.closer {
-            self.hit.t.store(&mut hits.t[at..]);
-            self.hit.primitive.store(&mut hits.primitive[at..]);
-            self.hit.u.store(&mut hits.u[at..]);
-            self.hit.v.store(&mut hits.v[at..]);
+            hits.store(at, &self.hit);
         }
     }
 
@@ -121,8 +110,8 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             if next.is_leaf() {
                 self.leaf(next);
             } else {
-                let node = &self.hierarchy.bvh.wide[next.index()];
-                self.counter.node(node, 1);
+                let node = &self.tile.hierarchy.bvh.wide[next.index()];
+                self.tile.counter.node(node, 1);
                 let (near, meets) = self.frustum.pass_boxes(node.boxes(), self.limit);
                 if meets.any() {
                     len += stack.push(len, node.children(), near, meets);
@@ -139,8 +128,8 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
     fn leaf(&mut self, leaf: Child) {
         let closer = match leaf.kind() {
             Kind::Sphere => {
-                self.counter.packet_spheres(self.hierarchy, leaf, L::WIDTH);
-                self.hierarchy.intersect_spheres_packet(leaf.index(), &self.packet.ray, &mut self.hit)
+                self.tile.counter.packet_spheres(self.tile.hierarchy, leaf, L::WIDTH);
+                self.tile.hierarchy.intersect_spheres_packet(leaf.index(), &self.packet.ray, &mut self.hit)
             }
             Kind::Triangle => self.triangles(leaf),
         };
@@ -152,15 +141,15 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
     /// Improves the hits with the triangles of a leaf. Returns whether any ray found a nearer hit.
     #[inline(always)]
     fn triangles(&mut self, leaf: Child) -> bool {
-        self.hierarchy.with_triangles(leaf.index(), |triangles| {
+        self.tile.hierarchy.with_triangles(leaf.index(), |triangles| {
             let main = triangles.planes(self.frustum.axis());
             let (_, meets) =
                 self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
-            self.counter.packet_triangles(self.hierarchy, leaf, L::WIDTH, meets);
+            self.tile.counter.packet_triangles(self.tile.hierarchy, leaf, L::WIDTH, meets);
             // All triangles first, without a branch for whether one is hit, which would often be predicted
             // wrong; those that are hit are tested again. (Only the latter where rays have different z axes.)
             let candidates = triangles.candidates_of_packet(meets.bitmask(), &self.packet);
-            let Self { hierarchy, packet, hit, .. } = self;
+            let Self { tile: TileTraversal { hierarchy, .. }, packet, hit, .. } = self;
             set_bits(candidates).fold(false, |closer, lane| {
                 closer | triangles.accept_packet(lane, hierarchy.padding, packet, hit)
             })
@@ -262,9 +251,8 @@ impl<C: CounterSink> TileTraversal<'_, C> {
                     let mut unread = set_bits(meets & !met);
                     entry_points.prefetch_next(hierarchy, &mut unread);
                     met |= meets;
-                    let packet =
-                        PacketTraversal::<L, C>::new(hierarchy, axis, &frustum, rays, hits, at, counter);
-                    packet.run(entry_points, meets, unread, hits, at, stack);
+                    let packet = PacketTraversal::<L, C>::new(self, &frustum, rays, hits, at);
+                    packet.run(meets, unread, hits, at, stack);
                 }
             }
         }

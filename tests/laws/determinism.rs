@@ -202,15 +202,22 @@ impl Print {
         assert_eq!(film.samples(), calls.iter().sum::<u32>());
         Self { pixels: bits(&film.picture()), rays: film.rays() }
     }
-    #[track_caller]
-    fn assert_same(&self, other: &Self, settings: Settings, calls: &[u32]) {
-        if self != other {
-            let width = settings.resolution[0] as usize;
-            let first = self.pixels.iter().zip(&other.pixels).position(|(a, b)| a != b);
-            let place = first.map(|index| (index % width, index / width));
-            let rays = [self.rays, other.rays];
-            panic!("{settings:?}, calls {calls:?}: {rays:?} rays, first pixel that differs: {place:?}");
-        }
+}
+
+/// Asserts that with each of these settings, so many samples in each call give the picture and the rays of
+/// all samples at once with `base`.
+#[track_caller]
+fn assert_same(scene: &Scene, base: Settings, calls: &[u32], others: impl IntoIterator<Item = Settings>) {
+    let expected = Print::of(scene, base, &[calls.iter().sum()]);
+    for settings in others {
+        let found = Print::of(scene, settings, calls);
+        let differs = expected.pixels.iter().zip(&found.pixels).position(|(a, b)| a != b);
+        let place = differs.map(|index| places(settings.resolution).nth(index));
+        let same_rays = expected.rays == found.rays;
+        assert!(
+            place.is_none() && same_rays,
+            "{settings:?}, calls {calls:?}: {place:?} differs; {same_rays}"
+        );
     }
 }
 
@@ -252,18 +259,14 @@ fn picture_is_the_same_for_every_combination_of_lanes_threads_tiles_and_calls() 
 /// wanted.
 fn check_ways(scene: &Scene, wanted: impl Fn(usize, usize, usize) -> bool) {
     let base = base(scene, [37, 23], 4);
-    let expected = Print::of(scene, base, &[8]);
-    for lanes in WIDTHS {
-        for threads in [1, 2, 3] {
-            for (tile, tile_size) in TILES.into_iter().enumerate() {
-                for (call, calls) in [&[8][..], &[3, 5]].into_iter().enumerate() {
-                    if wanted(threads, tile, call) {
-                        let settings = Settings { lanes, threads, tile_size, ..base };
-                        Print::of(scene, settings, calls).assert_same(&expected, settings, calls);
-                    }
-                }
-            }
+    for (call, calls) in [&[8][..], &[3, 5]].into_iter().enumerate() {
+        let mut others = Vec::new();
+        for (lanes, threads) in WIDTHS.into_iter().flat_map(|lanes| [1, 2, 3].map(|threads| (lanes, threads)))
+        {
+            let tiles = TILES.into_iter().enumerate().filter(|&(tile, _)| wanted(threads, tile, call));
+            others.extend(tiles.map(|(_, tile_size)| Settings { lanes, threads, tile_size, ..base }));
         }
+        assert_same(scene, base, calls, others);
     }
 }
 
@@ -276,11 +279,7 @@ fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
         for choice in SphereChoice::ALL {
             let mut scalar = base(&scene, [48, 32], 4);
             scalar.methods.sphere = choice;
-            let expected = Print::of(&scene, scalar, &[2]);
-            for lanes in WIDTHS.into_iter().skip(1) {
-                let packets = Settings { lanes, ..scalar };
-                Print::of(&scene, packets, &[2]).assert_same(&expected, packets, &[2]);
-            }
+            assert_same(&scene, scalar, &[2], WIDTHS.map(|lanes| Settings { lanes, ..scalar }));
         }
     }
 }
@@ -292,11 +291,8 @@ fn picture_is_the_same_however_many_tiles_are_traced_together() {
     for scene in [everything(), ball_in_a_dome(), lamp_and_sign(), matt_and_mirror(), crowd()] {
         for max_bounces in [1, 2, 6] {
             let alone = Settings { threads: 6, lanes: 8, ..base(&scene, [160, 140], max_bounces) };
-            let expected = Print::of(&scene, alone, &[1]);
-            for lanes in WIDTHS {
-                let together = Settings { threads: 1, lanes, ..alone };
-                Print::of(&scene, together, &[1]).assert_same(&expected, together, &[1]);
-            }
+            let together = |lanes| Settings { threads: 1, lanes, ..alone };
+            assert_same(&scene, alone, &[1], WIDTHS.map(together));
         }
     }
 }
@@ -383,7 +379,7 @@ fn picture_is_the_same_from_the_pipeline_with_every_feature() {
         for lanes in WIDTHS {
             let needed = Settings { lanes, ..base(&scene, [61, 37], 6) };
             let general = Settings { pipeline: PipelineChoice::General, ..needed };
-            Print::of(&scene, general, &[5]).assert_same(&Print::of(&scene, needed, &[5]), general, &[5]);
+            assert_same(&scene, needed, &[5], [general]);
             let pipelines = [Features::of(&scene), Features::ALL].map(|needs| pipeline_for(needs, lanes).0);
             specialised += u32::from(pipelines[0] != pipelines[1]);
         }
@@ -398,27 +394,24 @@ fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
         for resolution in [[37, 23], [1, 1], [9, 1], [1, 9]] {
             for max_bounces in [0, 1, 4, 20] {
                 let base = base(&scene, resolution, max_bounces);
-                let expected = Print::of(&scene, base, &[4]);
-                for (threads, tile_size) in [(1, [16, 16]), (2, [7, 3]), (3, [1, 1])] {
-                    let settings = Settings { lanes: 8, threads, tile_size, ..base };
-                    Print::of(&scene, settings, &[1, 3]).assert_same(&expected, settings, &[1, 3]);
-                }
+                let others = [(1, [16, 16]), (2, [7, 3]), (3, [1, 1])];
+                let others =
+                    others.map(|(threads, tile_size)| Settings { lanes: 8, threads, tile_size, ..base });
+                assert_same(&scene, base, &[1, 3], others);
             }
         }
     }
 }
 
 #[test]
-fn picture_is_the_same_for_all_lanes_with_every_choice_of_equations() {
+fn picture_is_the_same_for_all_lanes_with_every_choice_of_methods() {
     let scene = everything();
     for sphere in SphereChoice::ALL {
         for triangle in TriangleChoice::ALL {
-            let base = Settings {
-                methods: Methods { sphere, triangle, ..Methods::default() },
-                ..base(&scene, [37, 23], 4)
-            };
+            let methods = Methods { sphere, triangle, ..Methods::default() };
+            let base = Settings { methods, ..base(&scene, [37, 23], 4) };
             let settings = Settings { lanes: 8, threads: 2, tile_size: [7, 3], ..base };
-            Print::of(&scene, settings, &[2]).assert_same(&Print::of(&scene, base, &[2]), settings, &[2]);
+            assert_same(&scene, base, &[2], [settings]);
         }
     }
 }
@@ -431,15 +424,10 @@ fn picture_is_the_same_through_every_traversal() {
             lanes,
             ..base(&scene, [37, 23], 4)
         };
-        let linear = by(TraversalChoice::Linear, 1);
-        let expected = Print::of(&scene, linear, &[4]);
         let through = Traversal::ALL.map(TraversalChoice::Through);
-        for traversal in through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Auto]) {
-            for lanes in WIDTHS {
-                let settings = by(traversal, lanes);
-                Print::of(&scene, settings, &[4]).assert_same(&expected, settings, &[4]);
-            }
-        }
+        let all = through.into_iter().chain([TraversalChoice::Linear, TraversalChoice::Auto]);
+        let others = all.flat_map(|traversal| WIDTHS.map(|lanes| by(traversal, lanes)));
+        assert_same(&scene, by(TraversalChoice::Linear, 1), &[4], others);
     }
 }
 

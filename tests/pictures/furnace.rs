@@ -1,12 +1,8 @@
-//! The law of energy: no material adds light, none loses more than it says, and single precision in packets
-//! gives the mean that the f64 judge gives.
-//!
-//! A white furnace: whatever has the colour 1 under a sky of 1 is invisible. The judge follows the same paths
-//! with the same random numbers, so pictures are compared in pairs of pixels: the difference has far less
-//! noise than either picture.
+//! The law of energy: no material adds light, none loses more than it says. A white furnace: whatever has the
+//! colour 1 under a sky of 1 is invisible.
 
-use crate::common::statistics::mean_and_error;
 use crate::common::*;
+use crate::judged::assert_is_the_references;
 use octray::integrate::pipeline_for;
 
 /// Two balls over a floor, all of one material: paths go back and forth between them.
@@ -23,14 +19,11 @@ fn room(kind: MaterialKind) -> Scene {
     }
 }
 
-fn settings(scene: &Scene, max_bounces: u32, lanes: usize) -> Settings {
-    // The judge samples no lights.
-    let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
-    Settings { max_bounces, lanes, seed: 9, methods, ..Settings::of(scene) }
-}
-
+/// Lit by chance alone, by paths of any length.
 fn render(scene: &Scene, max_bounces: u32, samples: u32, lanes: usize) -> Picture {
-    crate::common::render(scene, settings(scene, max_bounces, lanes), samples)
+    let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
+    let settings = Settings { max_bounces, lanes, seed: 9, methods, ..Settings::of(scene) };
+    crate::common::render(scene, settings, samples)
 }
 
 fn channels(picture: &Picture) -> impl Iterator<Item = f32> {
@@ -106,72 +99,17 @@ fn emission_adds_to_what_is_scattered() {
     assert_eq!(middle(Metal { roughness: 0.0 }, Vec3::ZERO, 4), [0.5, 0.25, 2.0]);
 }
 
-/// What a picture and the judge's differ by, over all pixels and channels.
-#[derive(Debug)]
-struct Difference {
-    /// Mean of the difference, and its standard error.
-    mean: f64,
-    standard_error: f64,
-    /// The standard error of the mean of the judge's picture alone, for comparison.
-    noise: f64,
-    /// Share of pixels that differ by more than 1 %: those one of whose paths went another way.
-    strayed: f64,
-}
-
-fn difference(scene: &Scene, max_bounces: u32, samples: u32) -> Difference {
-    let picture = render(scene, max_bounces, samples, 8);
-    let judge = Reference::new(scene);
-    let settings = path_settings(settings(scene, max_bounces, 8));
-    let (mut differences, mut truths) = (Vec::new(), Vec::new());
-    for (pixel, (x, y)) in picture.pixels.iter().zip(places(scene.resolution)) {
-        let truth = judge.pixel(settings, x, y, samples);
-        // One number a pixel: its channels are not independent.
-        let luminance = |pixel: [f64; 3]| pixel.iter().sum::<f64>() / 3.0;
-        differences.push(luminance(pixel.map(f64::from)) - luminance(truth));
-        truths.push(luminance(truth));
-    }
-    let (mean, standard_error) = mean_and_error(&differences);
-    let strayed =
-        differences.iter().zip(&truths).filter(|(d, truth)| d.abs() > 0.01 * truth.max(0.01)).count();
-    let strayed = strayed as f64 / differences.len() as f64;
-    Difference { mean, standard_error, noise: mean_and_error(&truths).1, strayed }
-}
-
-/// The means agree within five standard errors of the paired difference, and 1e-6 for the rounding of paths
-/// that did not stray (some ten weights and colours, each rounded to 6e-8 of itself, without a preferred
-/// direction). That the pairs are pairs, so that the standard error is small, is asserted too: few pixels
-/// stray.
-#[track_caller]
-fn assert_agrees(name: &str, scene: &Scene, max_bounces: u32, strayed: f64) {
-    let found = difference(scene, max_bounces, SAMPLES);
-    assert!(found.mean.abs() <= 5.0 * found.standard_error + 1e-6, "{name}: {found:?}");
-    assert!(found.strayed <= strayed, "{name}: {found:?}");
-    assert!(found.standard_error <= 0.2 * found.noise + 1e-7, "{name}: {found:?}");
-}
-
 #[test]
-fn packets_and_judge_agree_on_the_energy_of_every_material() {
-    let more = [0.2, 1.0].map(|roughness| Metal { roughness });
-    let lobes = [0.4, 2.5].map(|roughness| FuzzyMirror { roughness });
-    for kind in KINDS.into_iter().chain(more).chain(lobes) {
-        let mut scene = room(kind);
-        scene.materials[0].color = vec3(0.9, 0.7, 0.5);
-        scene.materials[0].emission = vec3(0.0, 0.1, 0.0);
-        scene.sky = Sky::Gradient { bottom: vec3(0.2, 0.3, 0.1), top: vec3(2.0, 1.0, 3.0) };
-        assert_agrees(&format!("{kind:?}"), &scene, 6, 0.02);
-    }
-}
-
-#[test]
-fn packets_and_judge_agree_on_the_furnace_of_ggx() {
+fn furnace_of_rough_metal_is_the_references() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
-        assert_agrees(&format!("GGX {roughness}"), &room(Metal { roughness }), 50, 0.02);
+        let scene = Scene { max_bounces: 50, ..room(Metal { roughness }) };
+        assert_is_the_references(&format!("roughness {roughness}"), &scene, SAMPLES);
     }
 }
 
 /// A tilted wall behind three balls, all with pictures on them, under a sky that is one.
 #[test]
-fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
+fn textures_on_spheres_triangles_and_sky_are_the_references() {
     for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
         let mut rng = Rng(61);
         let textures = vec![noise(&mut rng, 7, 5, filter), noise(&mut rng, 4, 6, filter)];
@@ -196,14 +134,14 @@ fn packets_and_judge_agree_on_pictures_on_spheres_triangles_and_sky() {
             sky: Sky::Texture { texture: 0, color: vec3(1.0, 0.5, 2.0), turn: 0.7 },
             ..empty()
         };
-        assert_agrees(&format!("{filter:?}"), &scene, 4, 0.02);
+        assert_is_the_references(&format!("{filter:?}"), &scene, SAMPLES);
     }
 }
 
 /// Few primitives and materials are looked up in tables of eight, alike at every width: a table that is too
 /// short shows only here. The two skies are those of the two pipelines that have such tables.
 #[test]
-fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
+fn primitives_of_any_number_near_the_size_of_a_table_are_the_references() {
     for count in [1, 4, 5, 8, 9, 12] {
         let mut rng = Rng(62);
         let mut scene = empty();
@@ -227,7 +165,7 @@ fn packets_and_judge_agree_at_every_count_near_the_size_of_a_table() {
         {
             for sky in [Sky::Color(Vec3::ONE), gradient] {
                 let scene = Scene { sky, ..scene.clone() };
-                assert_agrees(&format!("{count} {name} under {sky:?}"), &scene, 4, 0.01);
+                assert_is_the_references(&format!("{count} {name} under {sky:?}"), &scene, 8);
                 // The test means something only where the tables are used.
                 let tables = has_tables(&scene);
                 let has_any = matches!(sky, Sky::Color(_)) || scene.triangles.is_empty();

@@ -98,6 +98,6 @@ fn picture_is_the_references_with_levels_of_detail() {
         scene.spheres = vec![sphere(vec3(-1.2, 1.0, -6.0), 1.0, 1), sphere(vec3(1.2, 1.0, -7.0), 1.0, 1)];
         scene.sky = Sky::Texture { texture: 2, color: Vec3::ONE, turn: 0.2 };
         scene.max_bounces = 4;
-        crate::judged::assert_is_the_judges(&format!("levels, {kind:?}"), &scene);
+        crate::judged::assert_is_the_references(&format!("levels, {kind:?}"), &scene, 2);
     }
 }

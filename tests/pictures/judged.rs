@@ -22,8 +22,8 @@ fn balls(kind: MaterialKind) -> Scene {
 }
 
 /// Asserts that the picture of so many samples is the reference's: at most one pixel in a hundred is off by
-/// more than a thousandth, because one of its paths went elsewhere; the means agree within five standard errors
-/// and the rounding of the other paths.
+/// more than a thousandth, because one of its paths went elsewhere; the means agree within five standard
+/// errors and the rounding of the other paths.
 #[track_caller]
 pub fn assert_is_the_references(name: &str, scene: &Scene, samples: u32) {
     // The reference samples no lights.

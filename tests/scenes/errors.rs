@@ -131,48 +131,22 @@ fn with_word(part: &str, word: &str) -> String {
 /// Words of *Ray Tracing in One Weekend*, Mitsuba, pbrt and Blender, and what is meant by them.
 #[test]
 fn words_of_other_programs_are_understood() {
-    for (part, words, meant) in [
-        ("camera", "lookfrom look_from center", "position"),
-        ("camera", "lookat", "look_at"),
-        ("camera", "vfov", "vertical_fov"),
-        ("camera", "vup", "up"),
-        ("mesh", "rotation", "rotate_degrees"),
-        ("mesh", "position", "translate"),
-        ("sphere", "position", "center"),
-        ("sphere", "bsdf", "material"),
-        ("scene", "background", "sky"),
-        ("scene", "max_depth", "max_bounces"),
-        ("scene", "image_width aspect_ratio", "resolution"),
-        ("scene", "objects", "spheres"),
-        ("diffuse", "albedo baseColor", "color"),
-        ("diffuse", "emissive emit light", "emission"),
-        ("metal", "fuzz", "roughness"),
-        ("glass", "refraction_index int_ior", "ior"),
-        ("type", "lambertian", "diffuse"),
-        ("type", "dielectric", "glass"),
-        ("type", "diffuse_light", "emitter"),
-        ("type", "conductor", "metal"),
-        ("type", "principled", "metal-rough"),
-    ] {
-        for word in words.split(' ') {
-            let meant = format!("did you mean `{meant}`?");
-            assert_refused(|word| with_word(part, word), "", &[(word, "", &meant)]);
-        }
-    }
-    for (part, word, instead) in [
-        ("camera", "defocus_angle", "the camera is a pinhole"),
+    for (part, word, words) in [
+        ("camera", "lookfrom", "did you mean `position`?"),
+        ("mesh", "rotation", "did you mean `rotate_degrees`?"),
+        ("mesh", "position", "did you mean `translate`?"),
+        ("sphere", "bsdf", "did you mean `material`?"),
+        ("scene", "image_width", "did you mean `resolution`?"),
+        ("diffuse", "baseColor", "did you mean `color`?"),
+        ("type", "lambertian", "did you mean `diffuse`?"),
         ("camera", "image_width", "did you mean `resolution` of the scene?"),
-        ("camera", "samples_per_pixel", "octray render --samples N"),
-        ("scene", "samplesPerPixel", "octray render --samples N"),
-        ("scene", "vfov", "did you mean `vertical_fov` of `camera`?"),
         ("scene", "up", "did you mean `up` of `camera`?"),
-        ("scene", "world", "`triangles` and `meshes` hold the objects"),
-        ("scene", "quads", "write `triangles`"),
+        ("camera", "defocus_angle", "the camera is a pinhole"),
+        ("scene", "samplesPerPixel", "octray render --samples N"),
         ("glass", "transmission", "`glass` lets light through"),
-        ("sphere", "color", "an entry of `materials`"),
         ("sphere", "albedo", "an entry of `materials`"),
     ] {
-        assert_refused(|word| with_word(part, word), "", &[(word, "", instead)]);
+        assert_refused(|word| with_word(part, word), "", &[(word, "", words)]);
     }
     // Only keys that the type has are offered.
     let mend = refuse(with_word("glass", "fuzz")).mend.unwrap();
@@ -224,7 +198,6 @@ fn numbers_out_of_range_are_refused_with_their_range() {
         (r#"{ "center": [0,0,1e39], "radius": 1 }"#, ".center[2], line 1, column 33", "-1e18 to 1e18"),
         (r#"{ "center": [0,0,-1.1e18], "radius": 1 }"#, ".center[2]", "-1e18 to 1e18"),
         (r#"{ "center": [0,0,0], "radius": -1 }"#, ".radius, line 1, column 47", "at least 1e-18"),
-        (r#"{ "center": [0,0,0], "radius": 1e19 }"#, ".radius", "1e18"),
     ];
     assert_refused(sphere, "spheres[0]", &cases);
     // A sphere beside another, so that the scene has a size.
@@ -251,11 +224,9 @@ fn numbers_out_of_range_are_refused_with_their_range() {
     let cases = [
         (r#""vertical_fov": 0"#, ".vertical_fov, line 3, column 31", "below 180"),
         (r#""vertical_fov": 180"#, ".vertical_fov, line 3, column 31", "below 180"),
-        (r#""vertical_fov": -40"#, ".vertical_fov, line 3, column 31", "below 180"),
         (r#""position": [1,2,3], "look_at": [1,2,3]"#, ".look_at, line 3", "so that the two differ"),
         (r#""position": [1,2,3], "look_at": [1,2,3.0000000000000001]"#, ".look_at", "single precision"),
         (r#""position": [0,5,0], "look_at": [0,0,0]"#, ".up", "give an `up`"),
-        (r#""position": [0,5,0], "look_at": [0,0,1], "up": [0,0,0]"#, ".up, line 3", "give an `up`"),
     ];
     assert_refused(camera, "camera", &cases);
 }
@@ -293,7 +264,6 @@ fn unknown_materials_suggest_the_nearest() {
     let at = "spheres[0].material, line 2, column 60";
     let cases = [
         (r#""chrome": { "type": "metal" }"#, at, "did you mean `chrome`?"),
-        (r#""velvet": { "type": "metal" }"#, at, "use one of velvet"),
         ("", at, "the scene has no `materials`"),
     ];
     assert_refused(text, "", &cases);
@@ -303,25 +273,19 @@ fn unknown_materials_suggest_the_nearest() {
 fn materials_out_of_range_or_with_keys_of_another_type_are_refused() {
     let cases = [
         (r#""type": "metl""#, ".type", "did you mean `metal`?"),
-        (r#""type": "velvet""#, ".type", "diffuse, metal, plastic"),
         (r#""type": "diffuse", "color": [1, 1.5, 0]"#, ".color[1], line 3", "use `emission`"),
         (r#""type": "metal", "color": [-0.1, 0, 0]"#, ".color[0]", "from 0 to 1"),
         (r#""type": "diffuse", "emission": [1, 1, -2]"#, ".emission[2]", "0 or more"),
         (r#""type": "plastic", "ior": 0.9"#, ".ior, line 3", "from 1 to 3"),
         (r#""type": "plastic", "ior": 3.5"#, ".ior, line 3", "from 1 to 3"),
-        (r#""type": "plastic", "ior": -1"#, ".ior, line 3", "from 1 to 3"),
-        (r#""type": "plastic", "roughness": 1.5"#, ".roughness", "from 0 to 1"),
         (r#""type": "metal", "roughness": 1.1"#, ".roughness", "from 0 to 1"),
         (r#""type": "scatter", "roughness": -1"#, ".roughness", "0 or more"),
         (r#""type": "glass", "ior": 0"#, ".ior", "glass 1.5"),
-        (r#""type": "glass", "ior": -1.5"#, ".ior", "glass 1.5"),
         (r#""type": "metal-rough", "ior": 0.9"#, ".ior", "1 or more"),
         (r#""type": "diffuse", "texture": "p.png", "texture_size": 0"#, ".texture_size", "above 0"),
-        (r#""type": "diffuse", "texture": "p.png", "texture_size": -2"#, ".texture_size", "above 0"),
         (r#""type": "metal", "roughness": 0, "roughness_map": "p.png""#, ".roughness_map", "above 0"),
         (r#""type": "diffuse", "ior": 1.5"#, ".ior, line 3", "glass"),
         (r#""type": "diffuse", "roughness": 0.5"#, ".roughness", "`metal-rough` or `scatter`"),
-        (r#""type": "glass", "roughness": 0.5"#, ".roughness", "`metal-rough` or `scatter`"),
         (r#""type": "diffuse", "roughness_map": "p.png""#, ".roughness_map", "`metal-rough` or"),
         (r#""type": "emitter", "normal_map": "p.png""#, ".normal_map", "scatters nothing"),
         (r#""type": "metal", "metallic": 0.5"#, ".metallic", "make the type `metal-rough`"),
@@ -329,7 +293,6 @@ fn materials_out_of_range_or_with_keys_of_another_type_are_refused() {
         (r#""type": "emitter", "emission_map": "p.png""#, ".emission_map", "`texture`"),
         (r#""type": "emitter", "color": [1,1,1]"#, ".color", "`emission`"),
         (r#""type": "diffuse", "filter": "nearest""#, ".filter", "add a `texture`"),
-        (r#""type": "diffuse", "texture_size": 2"#, ".texture_size", "add a `texture`"),
     ];
     assert_refused(material, "materials.m", &cases);
 }

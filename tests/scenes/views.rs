@@ -201,62 +201,42 @@ fn views_of_a_scene_name_it_from_any_folder() {
     assert_eq!(View::of(&own, None, &folder.path("shots/deep")).scene, "../../model.obj");
 }
 
-/// Asserts that a view is refused with these words in what is wrong, where, and how to mend it.
-#[track_caller]
-fn refused(text: &str, what: &str, at: &str, mend: &str) {
+#[test]
+fn faults_in_a_view_name_their_place_and_a_remedy() {
     let folder = Folder::new();
     scenes(&folder);
     folder.write("shot.json", view("native.json", ""));
     folder.write("notes.txt", "no scene");
-    let error = folder.load("view.json", text).expect_err("the view must be refused");
-    assert_eq!(error.file, Some(folder.path("view.json")), "{error}");
-    assert!(error.what.contains(what), "what: {error}");
-    assert!(error.at.clone().unwrap_or_default().starts_with(at), "at: {error}");
-    assert!(error.mend.clone().unwrap_or_default().contains(mend), "mend: {error}");
-}
-
-#[test]
-fn faults_in_a_view_name_their_place_and_a_remedy() {
-    let of = |more: &str| view("native.json", &format!(",\n  {more}"));
-    refused(r#"{ "format": "octray-view-1" }"#, "`scene` is missing", "", "add `scene`");
-    refused(r#"{ "format": "octray-view-2" }"#, "`octray-view-2` is unknown", "format", "octray-view-1");
-    refused(&of(r#""sky": {}"#), "unknown key `sky`", "sky, line 4", "the keys known here are");
-    refused(&of(r#""cammera": {}"#), "unknown key", "cammera, line 4", "did you mean `camera`?");
-    let fov = r#""camera": { "fov": 9 }"#;
-    refused(&of(fov), "unknown key `fov`", "camera.fov, line 4", "vertical_fov");
-    let sample = r#""render": { "sample": 9 }"#;
-    refused(&of(sample), "`sample`", "render.sample, line 4, column 25", "did you mean `samples`?");
-    refused(&of(r#""render": { "tone": 3 }"#), "3", "render.tone, line 4", "write a string here");
-    refused(&of(r#""render": { "seed": -1 }"#), "-1", "render.seed, line 4", "whole number");
-    refused(&of(r#""render": { "exposure": 1e99 }"#), "finite", "render.exposure, line 4", "number");
-    let size = r#""resolution": [0, 9]"#;
-    refused(&of(size), "0 pixels wide", "resolution[0], line 4, column 18", "from 1 to 16384");
-    let bounces = r#""max_bounces": 1025"#;
-    refused(&of(bounces), "1025 bounces", "max_bounces, line 4, column 18", "from 0 to 1024");
-    let fov = r#""camera": { "vertical_fov": 180 }"#;
-    refused(&of(fov), "180°", "camera.vertical_fov, line 4, column 31", "below 180");
-    // What makes the camera impossible may be half the scene's own.
-    let up = r#""camera": { "up": [0.5, 0, -9] }"#;
-    refused(&of(up), "parallel", "camera.up, line 4, column 21", "");
-    let at = r#""camera": { "position": [0.5, 1, 0] }"#;
-    refused(&of(at), "looks at its own position", "camera.look_at", "move `look_at`");
-}
-
-#[test]
-fn scenes_that_a_view_cannot_show_are_refused_at_their_name() {
-    let place = "scene, line 3, column 12";
-    refused(&view("gone.json", ""), "cannot read the scene `gone.json`", place, "gone.json: give the path");
-    refused(&view("shot.json", ""), "`shot.json` is a view itself", place, "that it is a view of");
-    refused(&view("view.json", ""), "`view.json` is a view itself", place, "that it is a view of");
-    refused(
-        &view("notes.txt", ""),
-        "`notes.txt` is not the name of a scene",
-        place,
-        "a model (.obj, .gltf, .glb, .ply)",
-    );
-    refused(&view("", ""), "`` is not the name of a scene", place, "builtin:NAME");
-    refused(&view("builtin:thre", ""), "no scene `builtin:thre`", place, "did you mean `builtin:three`?");
-    refused(&view("builtin:knot", ""), "how many triangles", place, "builtin:knot:N");
+    for (keys, at, words) in [
+        (r#""sky": {}"#, "sky, line 4", "the keys known here are"),
+        (r#""cammera": {}"#, "cammera, line 4", "did you mean `camera`?"),
+        (r#""camera": { "fov": 9 }"#, "camera.fov, line 4", "vertical_fov"),
+        (r#""render": { "sample": 9 }"#, "render.sample, line 4, column 25", "did you mean `samples`?"),
+        (r#""render": { "tone": 3 }"#, "render.tone, line 4", "write a string here"),
+        (r#""render": { "seed": -1 }"#, "render.seed, line 4", "whole number"),
+        (r#""render": { "exposure": 1e99 }"#, "render.exposure, line 4", "finite"),
+        (r#""resolution": [0, 9]"#, "resolution[0], line 4, column 18", "from 1 to 16384"),
+        (r#""max_bounces": 1025"#, "max_bounces, line 4, column 18", "from 0 to 1024"),
+        (r#""camera": { "vertical_fov": 180 }"#, "camera.vertical_fov, line 4, column 31", "below 180"),
+        // The scene's own camera and the view's keys together make an impossible one.
+        (r#""camera": { "up": [0.5, 0, -9] }"#, "camera.up, line 4, column 21", "parallel"),
+        (r#""camera": { "position": [0.5, 1, 0] }"#, "camera.look_at", "move `look_at`"),
+    ] {
+        folder.assert_refused("view.json", view("native.json", &format!(",\n  {keys}")), at, words);
+    }
+    folder.assert_refused("view.json", r#"{ "format": "octray-view-1" }"#, "", "add `scene`");
+    folder.assert_refused("view.json", r#"{ "format": "octray-view-2" }"#, "format", "octray-view-1");
+    for (scene, words) in [
+        ("gone.json", "gone.json: give the path"),
+        ("shot.json", "that it is a view of"),
+        ("view.json", "`view.json` is a view itself"),
+        ("notes.txt", "a model (.obj, .gltf, .glb, .ply)"),
+        ("", "builtin:NAME"),
+        ("builtin:thre", "did you mean `builtin:three`?"),
+        ("builtin:knot", "builtin:knot:N"),
+    ] {
+        folder.assert_refused("view.json", view(scene, ""), "scene, line 3, column 12", words);
+    }
 }
 
 #[test]

@@ -1,13 +1,12 @@
 //! The law of ray and box: the computed interval holds the true one, whatever the directions and scales, so
-//! no hit is lost; it is not much larger; boxes within each other have intervals within each other, exactly;
-//! and packets agree with single rays in every bit.
+//! no hit is lost; it is not much larger; boxes within each other have intervals within each other, exactly.
+//! (Packets and single rays: `tests/laws/lane_parity.rs`.)
 //!
 //! Judged by the slabs in f64, where differences of f32 numbers of one size are exact.
 
 use crate::common::*;
 use octray::kernel::ray_box::{BoxRay, Padding, own_box};
 use octray::measure::stability::boxes::{Cuboid, SCALES, aimed, meets, padding, passing, reference_interval};
-use octray::methods::{BoxMethod, BySign, BySignWidened, Contracted, IeeeMinMax, Padded, X86MinMax};
 
 fn corner<L: Lane>(v: Vec3) -> math::Vec3<L> {
     math::Vec3::splat(v)
@@ -102,56 +101,23 @@ fn nested_boxes_have_nested_intervals_and_a_hit_in_one_is_in_all_around_it() {
     }
 }
 
+/// Planes in the order in which the ray meets them give the same as the box itself.
 #[test]
-fn packets_agree_with_single_rays_in_every_bit() {
-    fn check<L: Lane>() {
-        let mut rng = Rng(74);
-        let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
-        for round in 0..10_000 {
-            let scale = SCALES[round % SCALES.len()];
-            let cuboids: [Cuboid; 16] = std::array::from_fn(|_| Cuboid::random(&mut rng, scale));
-            let mut rays: [Ray<f32>; 16] = std::array::from_fn(|lane| aimed(&mut rng, &cuboids[lane], scale));
-            if round % 10 == 0 {
-                rays[rng.index(L::WIDTH)].direction.y = f32::NAN;
-                rays[rng.index(L::WIDTH)].origin.z = f32::INFINITY;
-            }
-            let mut padding = Padding::new(cuboids[0].extent());
-            if round % 2 == 0 {
-                padding = padding.with_spheres();
-            }
-            let column = |of: fn(&Cuboid) -> Vec3| {
-                let axis = |axis: usize| L::from_fn(|lane| of(&cuboids[lane])[axis]);
-                math::Vec3::new(axis(0), axis(1), axis(2))
-            };
-            let corners = (column(|cuboid| cuboid.lo), column(|cuboid| cuboid.hi));
-            let slabs = BoxRay::new(&Ray::<L>::from_lanes(&rays), padding);
-            let (near, far) = slabs.pass(corners.0, corners.1);
-            let (claimed, limit) = (scale as f32, 2.0 * scale as f32);
-            let mask = L::Mask::splat(true);
-            let (hit, t) = own_box(&slabs, corners, mask, L::splat(claimed), L::splat(limit));
-            for lane in 0..L::WIDTH {
-                let single = BoxRay::new(&rays[lane], padding);
-                let Cuboid { lo, hi } = cuboids[lane];
-                let (near_one, far_one) = single.pass(corner(lo), corner(hi));
-                assert!(same(near.get(lane), near_one) && same(far.get(lane), far_one), "{:?}", rays[lane]);
-                let (hit_one, t_one) = own_box(&single, (corner(lo), corner(hi)), true, claimed, limit);
-                assert_eq!(hit.bitmask() >> lane & 1 == 1, hit_one);
-                assert!(same(t.get(lane), t_one));
-                // Planes in the order in which the ray meets them give the same as the box itself.
-                let ordered = |first: bool| {
-                    let pick = |axis: usize, inverse: f32| {
-                        if (inverse < 0.0) == first { hi[axis] } else { lo[axis] }
-                    };
-                    let inverse = single.inverse;
-                    math::Vec3::new(pick(0, inverse.x), pick(1, inverse.y), pick(2, inverse.z))
-                };
-                let (near_ordered, far_ordered) = single.interval(ordered(true), ordered(false));
-                assert!(same(near_ordered, near_one) && same(far_ordered, far_one));
-            }
-        }
+fn ordered_planes_have_the_interval_of_their_box() {
+    let mut rng = Rng(74);
+    for round in 0..50_000 {
+        let scale = SCALES[round % SCALES.len()];
+        let cuboid = Cuboid::random(&mut rng, scale);
+        let slabs = BoxRay::new(&aimed(&mut rng, &cuboid, scale), Padding::new(cuboid.extent()));
+        let inverse = slabs.inverse.get(0);
+        let planes = |first: bool| {
+            let Cuboid { lo, hi } = cuboid;
+            let plane = |axis: usize| if (inverse[axis] < 0.0) == first { hi[axis] } else { lo[axis] };
+            math::Vec3::new(plane(0), plane(1), plane(2))
+        };
+        let whole = slabs.pass(corner::<f32>(cuboid.lo), corner(cuboid.hi));
+        assert_eq!(slabs.interval(planes(true), planes(false)), whole, "{cuboid:?}");
     }
-    check::<F32x8>();
-    check::<F32x16>();
 }
 
 #[test]
@@ -180,35 +146,4 @@ fn empty_boxes_are_never_passed_and_rays_of_nan_pass_no_box() {
             assert!(!passes(&nothing, around) && !passes(&nothing, empty));
         }
     }
-}
-
-/// The other forms too, NaN and infinities included.
-#[test]
-fn every_method_gives_packets_the_bits_of_single_rays() {
-    fn check<B: BoxMethod>() {
-        at_width::<B, F32x8>();
-        at_width::<B, F32x16>();
-    }
-    fn at_width<B: BoxMethod, L: Lane>() {
-        let mut rng = Rng(76);
-        let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
-        for round in 0..2_000 {
-            let scale = SCALES[round % SCALES.len()];
-            let cuboid = Cuboid::random(&mut rng, scale);
-            let rays: [Ray<f32>; 16] = std::array::from_fn(|_| aimed(&mut rng, &cuboid, scale));
-            let padding = Padding::new(cuboid.extent());
-            let packet = B::precalculate(&Ray::<L>::from_lanes(&rays), padding);
-            let (near, far) = B::pass(&packet, corner(cuboid.lo), corner(cuboid.hi));
-            for (lane, ray) in rays.iter().enumerate().take(L::WIDTH) {
-                let single = B::pass(&B::precalculate(ray, padding), corner(cuboid.lo), corner(cuboid.hi));
-                assert!(same(near.get(lane), single.0) && same(far.get(lane), single.1), "{ray:?}");
-            }
-        }
-    }
-    check::<Padded>();
-    check::<BySign>();
-    check::<BySignWidened>();
-    check::<Contracted>();
-    check::<X86MinMax>();
-    check::<IeeeMinMax>();
 }

@@ -7,9 +7,11 @@
 //! laws lane_parity`.
 
 use crate::common::*;
+use octray::kernel::ray_box::{BoxRay, Padding, own_box};
 use octray::kernel::{bsdf, light, ray_cone, surface, texture};
 use octray::lane::{functions, lane_indices, set_bits};
 use octray::math::Vec3;
+use octray::methods::{self, BoxMethod};
 use octray::sampling::{PixelCoordinates, SampleValues, random, warp};
 use std::f32::consts::PI;
 
@@ -356,6 +358,59 @@ same_at_every_width! {
         }
         values
     };
+    spheres_are_the_same_at_every_width: |o| {
+        let (ray, target) = aimed(&o);
+        let mut values = Vec::new();
+        fn hit<S: SphereMethod, L: Lane>(ray: &Ray<L>, center: Vec3<L>, limit: L, values: &mut Vec<Value<L>>) {
+            let (mask, t) = S::test(&S::precalculate(ray), center, L::splat(0.25), limit);
+            values.extend([Truth(mask), Float(t.only(mask))]);
+        }
+        hit::<methods::Robust, L>(&ray, target, o.x.abs() * L::splat(8.0), &mut values);
+        hit::<methods::RobustAnyLength, L>(&ray, target, L::splat(f32::INFINITY), &mut values);
+        hit::<methods::Naive, L>(&ray, target, o.x.abs() * L::splat(8.0), &mut values);
+        values
+    };
+    triangles_are_the_same_at_every_width: |o| {
+        let (ray, _) = aimed(&o);
+        let mut values = Vec::new();
+        fn hit<T: TriangleMethod, L: Lane>(ray: &Ray<L>, limit: L, values: &mut Vec<Value<L>>) {
+            let corners = [[0.1, 0.0, 0.3], [1.0, 0.1, 0.2], [0.0, 0.9, 0.4]].map(glam::Vec3::from);
+            let hit = T::test(&T::precalculate(ray), &T::store(corners), limit);
+            values.push(Truth(hit.mask));
+            values.extend([hit.t, hit.u, hit.v].map(|x| Float(x.only(hit.mask))));
+        }
+        hit::<methods::Woop, L>(&ray, o.x.abs() * L::splat(8.0), &mut values);
+        hit::<methods::WoopContracted, L>(&ray, L::splat(f32::INFINITY), &mut values);
+        hit::<methods::MollerTrumbore, L>(&ray, o.x.abs() * L::splat(8.0), &mut values);
+        hit::<methods::MollerTrumboreEpsilon, L>(&ray, L::splat(f32::INFINITY), &mut values);
+        hit::<methods::BaldwinWeber, L>(&ray, L::splat(f32::INFINITY), &mut values);
+        hit::<methods::Plucker, L>(&ray, L::splat(f32::INFINITY), &mut values);
+        values
+    };
+    boxes_are_the_same_at_every_width: |o| {
+        let (ray, target) = aimed(&o);
+        let (a, b) = (target, Vec3::new(o.x, o.z, L::splat(0.5)));
+        let of = |pick: fn(L, L) -> L| Vec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z));
+        let (lo, hi) = (of(L::min), of(L::max));
+        let mut values = Vec::new();
+        for padding in [Padding::new(1.0), Padding::new(1.0).with_spheres()] {
+            let slabs = BoxRay::new(&ray, padding);
+            let (near, far) = slabs.pass(lo, hi);
+            let (hit, t) = own_box(&slabs, (lo, hi), o.mask, o.y, o.x.abs());
+            values.extend([Float(near), Float(far), Truth(hit), Float(t)]);
+        }
+        fn pass<B: BoxMethod, L: Lane>(ray: &Ray<L>, [lo, hi]: [Vec3<L>; 2], values: &mut Vec<Value<L>>) {
+            let (near, far) = B::pass(&B::precalculate(ray, Padding::new(1.0)), lo, hi);
+            values.extend([Float(near), Float(far)]);
+        }
+        pass::<methods::Padded, L>(&ray, [lo, hi], &mut values);
+        pass::<methods::BySign, L>(&ray, [lo, hi], &mut values);
+        pass::<methods::BySignWidened, L>(&ray, [lo, hi], &mut values);
+        pass::<methods::Contracted, L>(&ray, [lo, hi], &mut values);
+        pass::<methods::X86MinMax, L>(&ray, [lo, hi], &mut values);
+        pass::<methods::IeeeMinMax, L>(&ray, [lo, hi], &mut values);
+        values
+    };
     texels_are_the_same_at_every_width: |o| {
         let size = |i: L::Bits| L::from_int(i.wrapping_add(L::Bits::splat(1)));
         let grid = texture::Grid::<L> { width: size(o.k), height: size(o.i.shr(28)), first: L::Bits::splat(5) };
@@ -365,6 +420,13 @@ same_at_every_width! {
         values.extend(vector(texture::srgb_to_linear::<L>(o.i)));
         values
     };
+}
+
+/// A ray towards a point near the origin, if its numbers are such.
+fn aimed<L: Lane>(o: &Input<L>) -> (Ray<L>, Vec3<L>) {
+    let (origin, target) = (Vec3::new(o.x, o.y, o.z), Vec3::new(o.y, o.z, o.x));
+    let aside = Vec3::new(random::uniform::<L>(o.i, 0), random::uniform::<L>(o.j, 1), L::zero());
+    (Ray { origin, direction: (target - origin + aside * L::splat(0.6)).normalize() }, target)
 }
 
 /// A truth value as a sign, for the tests' own use.

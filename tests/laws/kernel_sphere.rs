@@ -1,5 +1,5 @@
-//! The law of ray and sphere: rays from inside and from the surface, tangents, limits, and directions that are
-//! none. `tests/pictures/stability.rs` tests how often methods fail, from far away and elsewhere.
+//! The law of ray and sphere: rays from inside and from the surface, tangents, limits, and directions that
+//! are none. `tests/pictures/stability.rs` tests how often methods fail, from far away and elsewhere.
 
 use crate::common::*;
 use octray::measure::stability::spheres::{Ball, UNIT, aimed, intersect, off, passing, reference_t};

@@ -1,6 +1,6 @@
-//! The law of ray and triangle: away from edges every method agrees with f64; limits, directions that are none,
-//! rays in the plane. `tests/pictures/stability.rs` tests which methods leak, `tests/laws/watertight.rs` that
-//! traversals do not.
+//! The law of ray and triangle: away from edges every method agrees with f64; limits, directions that are
+//! none, rays in the plane. `tests/pictures/stability.rs` tests which methods leak,
+//! `tests/laws/watertight.rs` that traversals do not.
 
 use crate::common::*;
 use glam::Vec3Swizzles;

@@ -1,92 +1,15 @@
-//! The law of random numbers: uniform in [0, 1), independent across pixels, samples and dimensions, and bent
-//! into the directions that the documentation promises.
+//! The law of random numbers: samples of a pixel share none, and pixels few; they are warped into the
+//! directions that the documentation promises. (Uniformity and independence: `tests/laws/sobol.rs`.)
 //!
 //! Seeds are fixed. Statistics are compared with their expectation in standard errors; where many are taken,
 //! the allowed deviation is that of the whole family at a level of 1e-4 (Bonferroni): seldom enough to be a
 //! fault if seen.
 
-use crate::common::statistics::{allowed, assert_all_within, chi_squared_deviation, correlation, joint};
+use crate::common::statistics::{allowed, chi_squared_deviation, correlation, joint};
 use crate::common::*;
 use octray::math::Vec3;
-use octray::sampling::{dimension, random, warp};
+use octray::sampling::{random, warp};
 use std::f64::consts::TAU;
-
-fn number(seed: u32, pixel: u32, sample: u32, dimension: u32) -> f64 {
-    f64::from(random::uniform::<f32>(random::path_key::<u32>(seed, pixel, sample), dimension))
-}
-
-/// The numbers that a path uses: its place in the pixel, and those of its first events.
-fn dimensions() -> impl Iterator<Item = u32> + Clone {
-    [dimension::PIXEL, dimension::PIXEL + 1].into_iter().chain((0..4).flat_map(|bounce| {
-        [dimension::LOBE, dimension::DIRECTION, dimension::DIRECTION + 1]
-            .map(|offset| dimension::bounce(bounce) + offset)
-    }))
-}
-
-const WIDTH: u32 = 240;
-/// Pixels and samples of the pictures that the numbers are for.
-const PIXELS: u32 = 6000;
-const SAMPLES: u32 = 8;
-const COUNT: f64 = (PIXELS * SAMPLES) as f64;
-
-/// The numbers of one dimension, pixel by pixel.
-fn column(seed: u32, dimension: u32) -> Vec<f64> {
-    (0..PIXELS).flat_map(|p| (0..SAMPLES).map(move |s| number(seed, p, s, dimension))).collect()
-}
-
-#[test]
-fn numbers_are_uniform_in_every_dimension() {
-    let mut deviations = Vec::new();
-    for seed in [0, 1] {
-        for dimension in dimensions() {
-            let numbers = column(seed, dimension);
-            assert!(numbers.iter().all(|x| (0.0..1.0).contains(x)));
-            let mean = numbers.iter().sum::<f64>() / COUNT;
-            let square = numbers.iter().map(|x| (x - 0.5).powi(2)).sum::<f64>() / COUNT;
-            // Var x = 1/12; Var (x − ½)² = 1/80 − 1/144 = 1/180.
-            let mean_deviation = (mean - 0.5) / (1.0 / 12.0 / COUNT).sqrt();
-            let variance_deviation = (square - 1.0 / 12.0) / (1.0 / 180.0 / COUNT).sqrt();
-            let mut counts = [0; 64];
-            numbers.iter().for_each(|x| counts[(x * 64.0) as usize] += 1);
-            let chi2_deviation = chi_squared_deviation(&counts, COUNT / 64.0);
-            let told = |what: &str| format!("{what} of seed {seed}, dimension {dimension}");
-            deviations.push((mean_deviation, told("mean")));
-            deviations.push((variance_deviation, told("variance")));
-            deviations.push((chi2_deviation, told("χ²")));
-        }
-    }
-    assert_all_within(deviations);
-}
-
-#[test]
-fn neighbouring_pixels_samples_dimensions_and_seeds_are_independent() {
-    let used: Vec<u32> = dimensions().collect();
-    let mut deviations = Vec::new();
-    let mut check = |what: String, pairs: Vec<(f64, f64)>| {
-        deviations.push((correlation(pairs.iter().copied()), format!("correlation of {what}")));
-        deviations.push((joint(pairs.into_iter()), format!("joint distribution of {what}")));
-    };
-    let pairs = |of: &dyn Fn(u32, u32) -> (f64, f64)| {
-        (0..PIXELS).flat_map(|p| (0..SAMPLES).map(move |s| (p, s))).map(|(p, s)| of(p, s)).collect::<Vec<_>>()
-    };
-    for &d in &used {
-        for (what, [seed, pixel, sample]) in [
-            ("neighbours in a row", [0, 1, 0]),
-            ("neighbours in a column", [0, WIDTH, 0]),
-            ("successive samples", [0, 0, 1]),
-            ("successive seeds", [1, 0, 0]),
-        ] {
-            let other = |p, s| number(5 + seed, p + pixel, s + sample, d);
-            check(format!("dimension {d}, {what}"), pairs(&|p, s| (number(5, p, s, d), other(p, s))));
-        }
-    }
-    for (i, &d) in used.iter().enumerate() {
-        for &e in &used[i + 1..] {
-            check(format!("dimensions {d} and {e}"), pairs(&|p, s| (number(5, p, s, d), number(5, p, s, e))));
-        }
-    }
-    assert_all_within(deviations);
-}
 
 #[test]
 fn samples_of_a_pixel_never_share_their_numbers() {
@@ -127,15 +50,33 @@ fn unit(rng: &mut Rng) -> Vec3<f32> {
 
 const DRAWS: usize = 1_000_000;
 
+/// Counts of points of the unit square, which should be uniform: by row, by column, and by cell.
+struct Spread([[usize; Self::BINS]; 3]);
+
+impl Spread {
+    const BINS: usize = 50;
+
+    fn add(&mut self, x: f64, y: f64) {
+        let bin = |x: f64, bins: usize| ((x * bins as f64) as usize).min(bins - 1);
+        // 5 rows of 10 cells.
+        let bins = [bin(x, Self::BINS), bin(y, Self::BINS), 10 * bin(x, 5) + bin(y, 10)];
+        self.0.iter_mut().zip(bins).for_each(|(counts, bin)| counts[bin] += 1);
+    }
+    fn deviations(&self) -> [f64; 3] {
+        self.0.map(|counts| {
+            chi_squared_deviation(&counts, counts.iter().sum::<usize>() as f64 / Self::BINS as f64)
+        })
+    }
+}
+
 #[test]
 fn cosine_hemisphere_follows_the_cosine() {
     // cos θ has the density 2 cos θ: E = 2/3, Var = 1/18, and cos² θ is uniform; so is the angle around the
     // normal.
-    const BINS: usize = 50;
     let mut rng = Rng(42);
     for n in [Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1.0), unit(&mut rng), unit(&mut rng)] {
         let (tangent, bitangent) = warp::orthonormal_basis(n);
-        let (mut sum, mut rings, mut sectors, mut cells) = (0.0, [0; BINS], [0; BINS], [0; BINS]);
+        let (mut sum, mut spread) = (0.0, Spread([[0; Spread::BINS]; 3]));
         for draw in 0..DRAWS as u32 / 4 {
             let key = random::path_key::<u32>(1, draw, 0);
             let (u, v) = (random::uniform::<f32>(key, 9), random::uniform::<f32>(key, 10));
@@ -144,20 +85,11 @@ fn cosine_hemisphere_follows_the_cosine() {
             let cos = f64::from(d.dot(n));
             let around = f64::from(d.dot(bitangent)).atan2(f64::from(d.dot(tangent))) / TAU + 0.5;
             sum += cos;
-            let (ring, sector) = (cos * cos * BINS as f64, around * BINS as f64);
-            rings[(ring as usize).min(BINS - 1)] += 1;
-            sectors[(sector as usize).min(BINS - 1)] += 1;
-            // Joint: 5 rings of 10 sectors.
-            cells[(ring as usize / 10).min(4) * 10 + (sector as usize / 5).min(9)] += 1;
+            spread.add(cos * cos, around);
         }
         let count = (DRAWS / 4) as f64;
         let mean = (sum / count - 2.0 / 3.0) / (1.0 / 18.0 / count).sqrt();
-        let deviations = [
-            mean,
-            chi_squared_deviation(&rings, count / BINS as f64),
-            chi_squared_deviation(&sectors, count / BINS as f64),
-            chi_squared_deviation(&cells, count / BINS as f64),
-        ];
+        let deviations = [&[mean][..], &spread.deviations()].concat();
         assert!(deviations.iter().all(|deviation| deviation.abs() < allowed(16)), "{n:?}: {deviations:.1?}");
     }
 }
@@ -195,8 +127,7 @@ fn cosine_hemisphere_never_points_below_the_surface() {
 
 #[test]
 fn unit_sphere_is_uniform_and_of_unit_length() {
-    const BINS: usize = 50;
-    let (mut heights, mut sectors, mut cells) = ([0; BINS], [0; BINS], [0; BINS]);
+    let mut spread = Spread([[0; Spread::BINS]; 3]);
     let mut sum = glam::DVec3::ZERO;
     for draw in 0..DRAWS as u32 {
         let key = random::path_key::<u32>(2, draw, 0);
@@ -205,16 +136,12 @@ fn unit_sphere_is_uniform_and_of_unit_length() {
             .as_dvec3();
         assert!((p.length() - 1.0).abs() < 1e-6);
         sum += p;
-        let (height, sector) = ((0.5 * p.z + 0.5) * BINS as f64, (p.y.atan2(p.x) / TAU + 0.5) * BINS as f64);
-        heights[(height as usize).min(BINS - 1)] += 1;
-        sectors[(sector as usize).min(BINS - 1)] += 1;
-        cells[(height as usize / 10).min(4) * 10 + (sector as usize / 5).min(9)] += 1;
+        spread.add(0.5 * p.z + 0.5, p.y.atan2(p.x) / TAU + 0.5);
     }
     let count = DRAWS as f64;
     // Each coordinate is uniform in [−1, 1]: variance 1/3.
     let mut deviations: Vec<f64> = (sum / (count / 3.0).sqrt()).to_array().into();
-    deviations
-        .extend([heights, sectors, cells].map(|counts| chi_squared_deviation(&counts, count / BINS as f64)));
+    deviations.extend(spread.deviations());
     assert!(deviations.iter().all(|deviation| deviation.abs() < allowed(6)), "{deviations:.1?}");
     // The ends of the square.
     let below_one = 1.0_f32.next_down();

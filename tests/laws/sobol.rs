@@ -1,6 +1,6 @@
-//! The law of the well spread numbers: nets in every pixel and pair of dimensions, each point uniform,
-//! nothing in common between pixels, pairs and seeds; errors of integrals as small as a true Owen scrambling
-//! makes them.
+//! The law of sample values. Of both samplers: each point is uniform; pixels, pairs and seeds have nothing in
+//! common. Of Sobol points: nets in every pixel and pair of dimensions; errors of integrals as small as a
+//! true Owen scrambling makes them.
 //!
 //! Seeds are fixed; tolerances are standard errors, as in `tests/laws/sampling_laws.rs`. Bits at width 1 and
 //! 8 are compared by `tests/laws/lane_parity.rs`.
@@ -22,16 +22,23 @@ fn point(sampler: Sampler, seed: u32, pixel: u32, sample: u32, dimension: u32) -
 
 /// The values of a pixel of a picture [`WIDTH`] pixels wide, before or after the first bounce.
 fn in_pixel(values: &SampleValues, key: u32, pixel: u32, dimension: u32) -> PacketValues<'_, f32> {
-    if is_shared(dimension) {
+    if is_shared(Sampler::Sobol, dimension) {
         values.at_pixels(key, PixelCoordinates::Block { x: pixel % WIDTH, y: pixel / WIDTH })
     } else {
         values.at_keys(key)
     }
 }
 
-/// Do neighbours share a net in this dimension? Their errors depend on each other, as they should.
-fn is_shared(dimension: u32) -> bool {
-    dimension < dimension::bounce(1)
+/// Tests whether neighbours share a net in this dimension: their errors depend on each other, as they should.
+fn is_shared(sampler: Sampler, dimension: u32) -> bool {
+    sampler == Sampler::Sobol && dimension < dimension::bounce(1)
+}
+
+/// The samplers, each with the dimensions in which neighbours share no net.
+fn independent_pairs() -> impl Iterator<Item = (Sampler, u32)> {
+    let all =
+        [Sampler::Sobol, Sampler::Random].into_iter().flat_map(|sampler| pairs().map(move |d| (sampler, d)));
+    all.filter(|&(sampler, dimension)| !is_shared(sampler, dimension))
 }
 
 fn points(sampler: Sampler, pixel: u32, dimension: u32, count: u32) -> Vec<Point> {
@@ -127,20 +134,21 @@ const WIDTH: u32 = 240;
 #[test]
 fn each_sample_is_uniform_over_pixels_in_every_digit() {
     let mut deviations = Vec::new();
-    for dimension in pairs().filter(|&dimension| !is_shared(dimension)) {
+    for (sampler, dimension) in independent_pairs() {
         for sample in [0, 1, 6, 100, 4095] {
             let of_pixels: Vec<Point> =
-                (0..PIXELS).map(|pixel| point(Sampler::Sobol, 3, pixel, sample, dimension)).collect();
+                (0..PIXELS).map(|pixel| point(sampler, 3, pixel, sample, dimension)).collect();
             for axis in [0, 1] {
                 let mut counts = [0; 64];
                 of_pixels.iter().for_each(|point| counts[(point[axis] * 64.0) as usize] += 1);
-                let at = format!("dimension {}, sample {sample}", dimension + axis as u32);
+                let at = format!("{sampler:?}, dimension {}, sample {sample}", dimension + axis as u32);
                 let chi2 = chi_squared_deviation(&counts, f64::from(PIXELS) / 64.0);
                 deviations.push((chi2, format!("χ² of {at}")));
                 deviations.extend(bits_that_are_set(&of_pixels, axis, &at));
             }
             let both = joint(of_pixels.iter().map(|&[x, y]| (x, y)));
-            deviations.push((both, format!("both numbers of dimension {dimension}, sample {sample}")));
+            let what = format!("{sampler:?}, both numbers of dimension {dimension}, sample {sample}");
+            deviations.push((both, what));
         }
     }
     assert_all_within(deviations);
@@ -160,31 +168,38 @@ fn bits_that_are_set(points: &[Point], axis: usize, of: &str) -> Vec<(f64, Strin
 
 #[test]
 fn pixels_pairs_and_seeds_have_nothing_in_common() {
-    let number = |seed: u32, pixel: u32, sample: u32, dimension: u32| {
-        point(Sampler::Sobol, seed, pixel, sample, dimension & !1)[(dimension & 1) as usize]
-    };
     let mut deviations = Vec::new();
     let mut check = |what: String, of: &dyn Fn(u32) -> (f64, f64)| {
         deviations.push((correlation((0..PIXELS).map(of)), format!("correlation of {what}")));
         deviations.push((joint((0..PIXELS).map(of)), format!("joint distribution of {what}")));
     };
-    let used: Vec<u32> = pairs().flat_map(|first| [first, first + 1]).collect();
-    for (i, &d) in used.iter().enumerate() {
-        // The same sample of neighbours, and the next sample: frames of one sample each, shown one after the
-        // other.
-        for (s, t) in [(0, 0), (5, 5), (0, 1), (5, 6), (6, 14)] {
-            if is_shared(d) {
-                continue;
+    for sampler in [Sampler::Sobol, Sampler::Random] {
+        let number = |seed: u32, pixel: u32, sample: u32, dimension: u32| {
+            point(sampler, seed, pixel, sample, dimension & !1)[(dimension & 1) as usize]
+        };
+        let used: Vec<u32> = pairs().flat_map(|first| [first, first + 1]).collect();
+        for (i, &d) in used.iter().enumerate() {
+            // The same sample of neighbours, and the next sample: frames of one sample each, shown one after
+            // the other.
+            for (s, t) in [(0, 0), (5, 5), (0, 1), (5, 6), (6, 14)] {
+                if is_shared(sampler, d) {
+                    continue;
+                }
+                let at = format!("{sampler:?}, dimension {d}, samples {s} and {t}");
+                check(format!("{at}, in a row"), &|p| (number(5, p, s, d), number(5, p + 1, t, d)));
+                check(format!("{at}, in a column"), &|p| (number(5, p, s, d), number(5, p + WIDTH, t, d)));
+                check(format!("{at}, of successive seeds"), &|p| (number(5, p, s, d), number(6, p, t, d)));
+                // The samples of a pixel are a net of Sobol points.
+                if sampler == Sampler::Random && s != t {
+                    check(format!("{at}, of a pixel"), &|p| (number(5, p, s, d), number(5, p, t, d)));
+                }
             }
-            let at = format!("dimension {d}, samples {s} and {t}");
-            check(format!("{at}, in a row"), &|p| (number(5, p, s, d), number(5, p + 1, t, d)));
-            check(format!("{at}, in a column"), &|p| (number(5, p, s, d), number(5, p + WIDTH, t, d)));
-            check(format!("{at}, of successive seeds"), &|p| (number(5, p, s, d), number(6, p, t, d)));
-        }
-        for &e in &used[i + 1..] {
-            // Those of one net: `pairs_of_a_block_of_pixels_meet_as_independent_orders_do`.
-            if !(is_shared(d) && is_shared(e)) {
-                check(format!("dimensions {d} and {e}"), &|p| (number(5, p, 3, d), number(5, p, 3, e)));
+            for &e in &used[i + 1..] {
+                // Those of one net: `pairs_of_a_block_of_pixels_meet_as_independent_orders_do`.
+                if !(is_shared(sampler, d) && is_shared(sampler, e)) {
+                    let what = format!("{sampler:?}, dimensions {d} and {e}");
+                    check(what, &|p| (number(5, p, 3, d), number(5, p, 3, e)));
+                }
             }
         }
     }
@@ -313,7 +328,7 @@ fn shifts_of_a_block_are_those_of_its_pixels() {
 }
 
 fn shared_pairs() -> impl Iterator<Item = u32> {
-    pairs().filter(|&dimension| is_shared(dimension))
+    pairs().filter(|&dimension| is_shared(Sampler::Sobol, dimension))
 }
 
 /// The corner of a block of the Z-order curve in a dimension: with the offsets of pair and seed taken back.

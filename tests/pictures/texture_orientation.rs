@@ -84,23 +84,6 @@ fn pictures_read_right_from_the_side_they_are_for() {
     assert!(reads_right(&sky(), 0.0), "the sky");
 }
 
-#[test]
-fn scene_files_name_the_side_and_mean_outside_where_they_do_not() {
-    let folder = tempfile::TempDir::new().unwrap();
-    let side = |keys: &str| {
-        let path = folder.path().join("scene.json");
-        let ball = format!(r#"{{ "center": [0,0,0], "radius": 1 {keys} }}"#);
-        let text = format!(r#"{{ "format": "octray-1", "spheres": [ {ball} ] }}"#);
-        std::fs::write(&path, text).unwrap();
-        load(path.to_str().unwrap()).map(|scene| scene.spheres[0].texture_side)
-    };
-    assert_eq!(side("").unwrap(), Side::Outside);
-    assert_eq!(side(r#", "picture_from": "outside""#).unwrap(), Side::Outside);
-    assert_eq!(side(r#", "picture_from": "inside""#).unwrap(), Side::Inside);
-    let error = side(r#", "picture_from": "within""#).unwrap_err();
-    assert!(error.to_string().contains("one of outside, inside"), "{error}");
-}
-
 /// The spheres that are the skies of the thesis's scenes are seen from inside.
 #[test]
 fn builtin_skies_on_spheres_read_right_from_inside() {

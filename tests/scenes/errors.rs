@@ -85,6 +85,7 @@ fn unknown_missing_and_doubled_keys_are_named_with_the_nearest_known_ones() {
     let known = "center, radius, material, turn_degrees, picture_from";
     let cases = [
         (r#"{ "center": [0,0,0], "radius": 1, "colour": 3 }"#, "", known),
+        (r#"{ "center": [0,0,0], "radius": 1, "picture_from": "within" }"#, "", "one of outside, inside"),
         (r#"{ "center": [0,0,0] }"#, ", line 1", "add `radius`"),
     ];
     assert_refused(sphere, "spheres[0]", &cases);

@@ -3,7 +3,7 @@
 use super::coordinates::in_file;
 use crate::folder::Folder;
 use glam::{Vec2, Vec3, vec2, vec3};
-use octray::scene::{Filter, MaterialKind, Scene, Sky, Texels, builtin_names, load, load_with_view};
+use octray::scene::{Filter, MaterialKind, Scene, Side, Sky, Texels, builtin_names, load, load_with_view};
 use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
@@ -128,7 +128,9 @@ fn metal_rough_and_turned_skies_are_read() {
 
 #[test]
 fn native_defaults_fill_a_scene_of_one_sphere() {
-    let scene = in_file(load_keys(r#""spheres": [{ "center": [1,2,3], "radius": 2 }]"#));
+    // A byte order mark is skipped.
+    let text = "\u{feff}{ \"format\": \"octray-1\", \"spheres\": [{ \"center\": [1,2,3], \"radius\": 2 }] }";
+    let scene = in_file(Folder::new().load("scene.json", text).unwrap());
     assert_eq!((scene.resolution, scene.max_bounces), ([240, 135], 4));
     assert_eq!(scene.sky, Sky::Color(Vec3::ONE));
     let material = &scene.materials[scene.spheres[0].material as usize];
@@ -156,7 +158,7 @@ fn native_defaults_of_materials_follow_their_type() {
 }
 
 #[test]
-fn missing_sky_is_black_where_something_shines_and_white_elsewhere() {
+fn a_missing_sky_is_black_where_something_emits_and_a_black_one_over_nothing_that_does_is_a_warning() {
     let with = |material: &str| {
         load_keys(&format!(
             r#""materials": {{ "m": {material}, "unused": {{ "type": "emitter" }} }},
@@ -165,13 +167,8 @@ fn missing_sky_is_black_where_something_shines_and_white_elsewhere() {
     };
     assert_eq!(with(r#"{ "type": "diffuse", "emission": [0, 0, 1] }"#).sky, Sky::Color(Vec3::ZERO));
     assert_eq!(with(r#"{ "type": "diffuse" }"#).sky, Sky::Color(Vec3::ONE));
-}
-
-#[test]
-fn black_sky_over_nothing_that_shines_is_a_warning() {
-    let scene = load_keys(&format!(r#""sky": {{ "color": [0,0,0] }}, {BALL}"#));
-    assert_eq!(scene.warnings.len(), 1);
-    assert!(scene.warnings[0].contains("black"), "{:?}", scene.warnings);
+    let warnings = load_keys(&format!(r#""sky": {{ "color": [0,0,0] }}, {BALL}"#)).warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("black"), "{warnings:?}");
 }
 
 #[test]
@@ -276,18 +273,13 @@ fn numbers_up_to_the_bound_are_accepted() {
 }
 
 #[test]
-fn byte_order_mark_is_skipped() {
-    let text = format!("\u{feff}{{ \"format\": \"octray-1\", {BALL} }}");
-    assert_eq!(Folder::new().load("scene.json", text).unwrap().spheres.len(), 1);
-}
-
-#[test]
-fn turn_degrees_wraps_to_less_than_a_turn() {
-    let turn = |degrees: &str| {
-        let ball = BALL.replace(r#""radius": 1"#, &format!(r#""radius": 1, "turn_degrees": {degrees}"#));
-        load_keys(&ball).spheres[0].texture_turn
-    };
+fn turn_degrees_wraps_to_less_than_a_turn_and_pictures_are_seen_from_outside_unless_said() {
+    let ball =
+        |keys: &str| load_keys(&BALL.replace(r#""radius": 1"#, &format!(r#""radius": 1{keys}"#))).spheres[0];
+    let turn = |degrees: &str| ball(&format!(r#", "turn_degrees": {degrees}"#)).texture_turn;
     assert_eq!(["0", "360", "-90", "450", "-1e-12"].map(turn), [0.0, 0.0, 0.75, 0.25, 0.0]);
+    let sides = ["", r#", "picture_from": "outside""#, r#", "picture_from": "inside""#];
+    assert_eq!(sides.map(|keys| ball(keys).texture_side), [Side::Outside, Side::Outside, Side::Inside]);
 }
 
 #[test]

@@ -196,9 +196,15 @@ fn what_is_left_out_or_brought_into_range_is_one_warning() {
     let flat = r#"{ "center": [0,0,0], "s0": [1,0,0], "s1": [2,0,0] }"#;
     let whole = r#"{ "center": [0,0,0], "s0": [1,0,0], "s1": [0,1,0] }"#;
     for (keys, words) in [
-        (format!(r#""triangle": [ {whole}, {flat}, {flat} ]"#), "2 of zero area among the triangles, first triangle[1]"),
+        (
+            format!(r#""triangle": [ {whole}, {flat}, {flat} ]"#),
+            "2 of zero area among the triangles, first triangle[1]",
+        ),
         (format!(r#""sphere": [ {metallic}, {metallic} ]"#), "sphere[0].metallic and 1 more"),
-        (format!(r#""sphere": [ {} ], "author": {{ "a": [1] }}"#, ball(r#""color": [255,255,255]"#)), "`author`"),
+        (
+            format!(r#""sphere": [ {} ], "author": {{ "a": [1] }}"#, ball(r#""color": [255,255,255]"#)),
+            "`author`",
+        ),
         (format!(r#""sphere": [ {gone}, {gone}, {gone} ]"#), "gone.png"),
         (format!(r#""sphere": [ {} ]"#, ball(r#""color": [300,-5,255], "roughness": 9"#)), "sphere[0].color"),
     ] {

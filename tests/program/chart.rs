@@ -1,4 +1,4 @@
-//! `octray chart`: its files, its JSON, its truth kept for the next run.
+//! `octray chart`: its files, its JSON, its ground truth, which is kept for the next run.
 
 use crate::desk::{Desk, SCENE, list, number};
 use crate::ratios::assert_follow_from_points;
@@ -57,9 +57,6 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
             assert!(number(&row["frame_ms"]["median"]) > 0.0, "{row}");
         }
     }
-    let reprojected = moving.iter().filter(|row| row["filter"] == "reprojected");
-    let lower = reprojected.filter_map(|row| row["times_lower"].as_f64());
-    assert!(lower.into_iter().all(|times| times > 0.0), "{moving:?}");
     assert_eq!(read("kernels.csv").lines().count(), list(&report["kernels"]).len() + 1);
     for name in ["pictures.csv", "frames.csv", "display.csv", "kernels.csv"] {
         let table = read(name);
@@ -76,18 +73,11 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
             "{name} has no cells in {empty:?}"
         );
     }
-    for name in [
-        "scene-json-pictures",
-        "scene-json-pictures-flip",
-        "scene-json-frames",
-        "scene-json-display",
-        "scene-json-motion",
-        "kernels-box",
-    ] {
-        let drawn = read(&format!("{name}.svg"));
-        assert!(drawn.starts_with("<svg"), "{name}");
-        assert!(page.contains(&drawn), "{name} is on the page");
+    for name in ["pictures", "pictures-flip", "frames", "display", "motion"] {
+        let drawn = read(&format!("scene-json-{name}.svg"));
+        assert!(drawn.starts_with("<svg") && page.contains(&drawn), "{name} is on the page");
     }
+    assert!(page.contains(&read("kernels-box.svg")));
     let last = list(&lines[0]["points"]).last().unwrap();
     let [seconds, samples] = [&last["seconds"]["median"], &last["samples"]].map(number);
     assert_eq!(number(&scene["default_pass_s"]), seconds / samples);
@@ -97,9 +87,7 @@ fn chart_writes_a_page_drawings_tables_and_json_that_agree() {
 fn chart_tells_what_it_found_and_keeps_its_truth_for_the_next_run_of_the_same_scene() {
     let desk = Desk::new();
     let printed = desk.run(SMALL);
-    for words in ["configuration", "\ndefault ", "\nscalar ", "new/charts/report.html"] {
-        assert!(printed.contains(words), "{words} is not in {printed}");
-    }
+    assert!(printed.contains("\nscalar ") && printed.contains("new/charts/report.html"), "{printed}");
     let first: Value = serde_json::from_str(&desk.text("new/charts/chart.json")).unwrap();
     let second = desk.json(SMALL);
     let truth = |report: &Value| report["scenes"][0]["truth"].clone();
@@ -109,14 +97,4 @@ fn chart_tells_what_it_found_and_keeps_its_truth_for_the_next_run_of_the_same_sc
     }
     desk.write("scene.json", SCENE.replace("[0.5, 0.7, 1.0]", "[0.5, 0.7, 1.5]"));
     assert_eq!(truth(&desk.json(SMALL))["cached"], false, "another scene of the same name");
-}
-
-#[test]
-fn chart_refuses_what_it_cannot_do_before_it_works() {
-    let desk = Desk::new();
-    desk.refuses("chart scene.json -o c --size 64x36", &["--size", "66x36", "third"]);
-    desk.refuses("chart scene.json -o c --budget 0", &["--budget", "seconds"]);
-    desk.refuses("chart scene.json -o c --seeds 7", &["--seeds", "8"]);
-    desk.refuses("chart scene.json -o model.obj", &["cannot make the folder", "model.obj"]);
-    desk.refuses("chart scene.json gone.json -o c", &["gone.json"]);
 }

@@ -18,7 +18,7 @@ pub const SCENE: &str = r#"{
   "spheres": [ { "center": [0, 0, 0], "radius": 1, "material": "clay" } ]
 }"#;
 
-/// Tables are at most 120 columns wide, so that a terminal of that width shows their rows whole.
+/// Asserts that a table is at most 120 columns wide, so that a terminal of that width shows its rows whole.
 pub fn assert_fits(table: &str) {
     for line in table.lines() {
         assert!(line.chars().count() <= 120, "{} columns: {line}", line.chars().count());
@@ -29,7 +29,7 @@ pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
-/// The elements of an array of a report.
+/// Returns the elements of an array of a report.
 pub fn list(value: &Value) -> &[Value] {
     value.as_array().unwrap_or_else(|| panic!("{value} is not an array"))
 }
@@ -37,7 +37,7 @@ pub fn list(value: &Value) -> &[Value] {
 /// A folder with a scene and a model in it, in which the program runs.
 pub struct Desk(Folder);
 
-/// What is done with any folder.
+/// The functions of any folder.
 impl Deref for Desk {
     type Target = Folder;
     fn deref(&self) -> &Folder {
@@ -53,25 +53,25 @@ impl Desk {
         desk
     }
 
-    /// The program with the words of a line as its arguments.
+    /// Returns the program with the words of a line as its arguments.
     pub fn octray(&self, line: &str) -> Command {
         self.octray_with(&line.split_whitespace().collect::<Vec<_>>())
     }
 
-    /// The program with arguments that may be empty or hold spaces.
+    /// Returns the program with arguments that may be empty or hold spaces.
     fn octray_with(&self, arguments: &[&str]) -> Command {
         let mut command = Command::from_std(octray());
         command.args(arguments).current_dir(self.path(""));
         command
     }
 
-    /// The arguments are refused: exit code 2, nothing on standard output, an error that says all of `words`,
-    /// no file. Returns what it says.
+    /// Asserts that the arguments are refused: exit code 2, nothing on standard output, an error that
+    /// contains all of `words`, no file. Returns the error.
     pub fn refuses(&self, line: &str, words: &[&str]) -> String {
         self.refuses_with(&line.split_whitespace().collect::<Vec<_>>(), words)
     }
 
-    /// The same of arguments that may be empty or hold spaces.
+    /// Variant of [`Desk::refuses`] for arguments that may be empty or hold spaces.
     pub fn refuses_with(&self, arguments: &[&str], words: &[&str]) -> String {
         let before = self.names();
         let refused = self.octray_with(arguments).assert().code(2).stdout("");
@@ -87,29 +87,29 @@ impl Desk {
         said
     }
 
-    /// The program succeeds: what it prints.
+    /// Runs the program, which succeeds; returns its standard output.
     pub fn run(&self, line: &str) -> String {
         String::from_utf8(self.octray(line).assert().success().get_output().stdout.clone()).unwrap()
     }
 
-    /// The program succeeds with `--json`: its report.
+    /// Runs the program with `--json`, which succeeds; returns its report.
     pub fn json(&self, line: &str) -> Value {
         let printed = self.run(&format!("{line} --json"));
         serde_json::from_str(&printed).unwrap_or_else(|error| panic!("octray {line}: {error}"))
     }
 
-    /// The program succeeds: what it says on standard error.
+    /// Runs the program, which succeeds; returns its standard error.
     pub fn warnings(&self, line: &str) -> String {
         String::from_utf8(self.octray(line).assert().success().get_output().stderr.clone()).unwrap()
     }
 
-    /// The program renders a picture: its file.
+    /// Renders a picture; returns its file.
     pub fn rendered(&self, line: &str, output: &str) -> Vec<u8> {
         self.run(&format!("render {line} -o {output}"));
         self.bytes(output)
     }
 
-    /// The pixels of a picture file.
+    /// Returns the pixels of a picture file.
     pub fn pixels(&self, name: &str) -> Vec<[f32; 3]> {
         let path = self.path(name);
         if name.ends_with(".exr") {
@@ -129,7 +129,8 @@ impl Desk {
         paper.save(self.path("models/paper.png")).unwrap();
     }
 
-    /// A white room that shines, and so many balls in it: every path has as many bounces as it may.
+    /// Writes a scene of a white room that emits light, with so many balls in it: every path has as many
+    /// bounces as it may.
     pub fn put_endless_paths(&self, balls: usize) {
         let ball = |i: usize| {
             let [x, y, z] = [i % 16, i / 16 % 16, i / 256].map(|step| 0.1 * step as f64 - 0.7);

@@ -1,4 +1,4 @@
-//! `octray bench` and `octray compare`: what their reports hold.
+//! The reports of `octray bench` and `octray compare`.
 
 use crate::desk::{Desk, SCENE, assert_fits, list, number};
 use octray::lane::WIDTHS;
@@ -35,10 +35,8 @@ fn bench_reports_every_engine_in_json() {
     assert_eq!(engines, expected);
     for result in results {
         assert_keys(result, "scene width height max_bounces engine lanes threads fps_median");
-        assert_keys(result, "fps_low_1_percent mrays_per_s rays_per_frame needs");
         assert_eq!(json!([result["width"], result["height"], result["max_bounces"]]), json!([16, 9, 4]));
         assert_eq!(json!([result["threads"], result["frames"]]), json!([1, 1]));
-        assert!(number(&result["fps_low_1_percent"]) > 0.0, "{result}");
         assert!(number(&result["fps_median"]) >= number(&result["fps_low_1_percent"]), "{result}");
         assert!(number(&result["rays_per_frame"]) >= 16.0 * 9.0, "{result}");
         let mrays_per_s = number(&result["rays_per_frame"]) * number(&result["fps_median"]) / 1e6;
@@ -49,11 +47,7 @@ fn bench_reports_every_engine_in_json() {
         assert!(engine["scaling"].is_null() && engine["reliable"] == false, "of one frame: {engine}");
         let speedup = &engine["speedup"];
         assert_eq!(speedup.is_null(), engine["lanes"] == 1, "every other width has its own: {engine}");
-        if !speedup.is_null() {
-            assert_eq!(json!([speedup["rounds"], speedup["reliable"]]), json!([1, false]));
-            let [median, low] = [&speedup["median"], &speedup["spread"][0]].map(number);
-            assert!(median > 0.0 && low == median, "one round has no spread: {speedup}");
-        }
+        assert!(speedup.is_null() || speedup["rounds"] == 1, "{engine}");
     }
     // No speed without its accuracy.
     let accuracy = list(&report["accuracy"]);
@@ -89,24 +83,21 @@ fn bench_names_the_commit_it_was_built_from() {
 #[test]
 fn bench_measures_the_width_and_threads_asked_for() {
     let desk = Desk::new();
-    for (lanes, threads) in [("1", "2"), ("8", "1"), ("16", "1")] {
-        if !WIDTHS.contains(&lanes.parse().unwrap()) {
-            let words = ["'16' for '--lanes", "AVX-512", "auto, 1 or 8"];
-            desk.refuses(&format!("bench scene.json --lanes {lanes}"), &words);
-            continue;
-        }
-        let own = format!("--lanes {lanes} --threads {threads}");
+    for (lanes, threads, pipeline, expected) in
+        [("1", 2, "auto", json!([1])), ("8", 1, "general", json!([8])), ("8,1,8", 1, "auto", json!([8, 1]))]
+    {
+        let own = format!("--lanes {lanes} --threads {threads} --pipeline {pipeline}");
         let report = desk.json(&format!("bench scene.json --frames 2 --size 8x8 {own}"));
         let results = list(&report["results"]);
-        assert_eq!(results.len(), 1, "{report}");
-        assert_eq!(results[0]["lanes"].to_string(), lanes);
-        assert_eq!(results[0]["threads"].to_string(), threads);
-        assert_eq!(results[0]["pipeline"], "auto");
+        assert_eq!(json!(results.iter().map(|result| &result["lanes"]).collect::<Vec<_>>()), expected);
+        assert!(
+            results.iter().all(|one| one["threads"] == threads && one["pipeline"] == pipeline),
+            "{report}"
+        );
     }
-    let report = desk.json("bench scene.json --frames 2 --size 8x8 --lanes 8,1,8 --threads 1");
-    let lanes: Vec<&Value> = list(&report["results"]).iter().map(|result| &result["lanes"]).collect();
-    assert_eq!(json!(lanes), json!([8, 1]));
-    assert!(report["results"][0]["speedup"].is_object(), "{report}");
+    if !WIDTHS.contains(&16) {
+        desk.refuses("bench scene.json --lanes 16", &["'16' for '--lanes", "AVX-512", "auto, 1 or 8"]);
+    }
 }
 
 #[test]
@@ -127,17 +118,6 @@ fn bench_shows_what_leaving_features_out_gains_where_something_is_left_out() {
 }
 
 #[test]
-fn bench_and_compare_take_the_pipeline_asked_for() {
-    let desk = Desk::new();
-    let report = desk.json("bench builtin:three --frames 2 --size 8x8 --threads 1 --pipeline general");
-    for result in list(&report["results"]) {
-        assert!(result["pipeline"] == "general" && result["specialisation"].is_null(), "{result}");
-    }
-    let report = desk.json("compare builtin:three --samples 1 --size 8x8 --pipeline general");
-    assert_eq!(report["results"][0]["mismatched_pixels"], 0);
-}
-
-#[test]
 fn bench_traces_the_paths_of_the_seed_asked_for() {
     let desk = Desk::new();
     let rays = |seed| {
@@ -151,20 +131,17 @@ fn bench_traces_the_paths_of_the_seed_asked_for() {
 #[test]
 fn bench_prints_a_row_a_scene_and_what_it_means() {
     let desk = Desk::new();
-    let said = desk.run("bench scene.json --frames 2 --size 8x8");
+    let said = desk.run("bench scene.json scene.json --frames 2 --size 8x8");
     assert!(said.contains("speed-up") && said.contains("same, bit by bit"), "{said}");
-    assert_eq!(said.matches("\nscene.json ").count(), 2, "rates and ratios: {said}");
-    let twice = desk.run("bench scene.json scene.json --frames 2 --size 8x8");
-    assert_eq!(twice.matches("\nscene.json ").count(), 4, "two rows in each table: {twice}");
+    assert_eq!(said.matches("\nscene.json ").count(), 4, "two rows in each table: {said}");
     // The first line names the machine, the last one is a summary.
     let (table, summary) = said.trim_end().rsplit_once('\n').unwrap();
     assert_fits(table.split_once('\n').unwrap().1);
     let ways = format!("; {} lanes, 1 thread; ", octray::lane::NATIVE_WIDTH);
     let why = if cfg!(debug_assertions) { "a debug build" } else { "too few frames" };
     let why = format!(" × scalar), of {why}: not reliable");
-    for words in ["octray bench: scene.json ", &why, &ways, ", commit "] {
-        assert!(summary.contains(words), "{words} is not in {summary}");
-    }
+    let words = ["octray bench: scene.json ", &why, &ways, ", commit "];
+    assert!(words.iter().all(|words| summary.contains(words)), "{summary}");
 }
 
 #[test]
@@ -181,17 +158,14 @@ fn compare_reports_in_json_and_says_for_people_that_the_pictures_agree() {
         assert_eq!(json!([result["pixels"], result["samples"]]), json!([144, 2]));
         assert_eq!(json!([result["mismatched_pixels"], result["first_mismatch"]]), json!([0, null]));
         assert_eq!(result["reference"]["mismatched_hits"], 0);
-        let spread = [0, 1].map(|end| number(&result["speedup"]["spread"][end]));
-        let speedup = number(&result["speedup"]["median"]);
-        assert!(0.0 < spread[0] && spread[0] <= speedup && speedup <= spread[1], "{result}");
-        assert!(number(&result["speedup"]["rounds"]) >= 1.0, "{result}");
+        let ratio = &result["speedup"];
+        let [low, median, high] = [&ratio["spread"][0], &ratio["median"], &ratio["spread"][1]].map(number);
+        assert!(0.0 < low && low <= median && median <= high, "{result}");
         assert!(number(&result["reference"]["rmse"]) <= number(&result["reference"]["max_abs"]));
     }
     let said = desk.run("compare scene.json --samples 1 --size 8x8");
     assert!(said.contains("the same, bit by bit"), "{said}");
-    if cfg!(debug_assertions) {
-        assert!(said.contains("The speed-ups are not reliable") && report["reliable"] == false, "{said}");
-    }
+    assert!(!cfg!(debug_assertions) || report["reliable"] == false, "{report}");
 }
 
 #[test]
@@ -201,22 +175,6 @@ fn compare_finds_hits_that_the_rounding_of_coordinates_moved() {
     let compared = desk.octray("compare far.json --samples 1 --size 8x8 --json").assert().code(1);
     let report: Value = serde_json::from_slice(&compared.get_output().stdout).unwrap();
     assert!(number(&report["results"][0]["reference"]["mismatched_hits"]) > 0.0, "{report}");
-}
-
-#[test]
-fn bench_and_compare_refuse_a_bad_scene_before_they_measure_a_good_one() {
-    let desk = Desk::new();
-    desk.write("bad.json", SCENE.replace(r#""radius": 1"#, r#""radius": -1"#));
-    for (bad, word) in [
-        ("nowhere.json", "no such file"),
-        ("bad.json", "spheres[0].radius"),
-        ("builtin:thre", "builtin:three"),
-    ] {
-        // Nothing stands on standard output: no table was begun.
-        for command in ["compare --samples 1", "bench --frames 1"] {
-            desk.refuses(&format!("{command} --size 8x8 scene.json builtin:three {bad}"), &[bad, word]);
-        }
-    }
 }
 
 /// Light beyond single precision: a picture of nearly the brightest texel there is, brightened further.

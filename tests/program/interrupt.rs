@@ -234,25 +234,6 @@ fn ctrl_c_twice_ends_at_once_and_writes_nothing() {
     assert_eq!(desk.names(), ["c.part", "endless.json", "model.obj", "scene.json"]);
 }
 
-/// What is said of a command that Ctrl-C ends as soon as it listens, and that prints nothing.
-#[cfg(target_os = "linux")]
-fn interrupted_at_once(line: &str) -> String {
-    let desk = Desk::new();
-    let mut running = Running::start(&desk, line);
-    running.wait_until_it_listens();
-    running.press_ctrl_c();
-    let (code, printed, said) = running.end();
-    assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
-    said
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn interrupted_chart_says_what_it_leaves() {
-    let said = interrupted_at_once("chart builtin:three -o charts");
-    assert!(said.contains("Ctrl-C: nothing was drawn in `charts`."), "{said}");
-}
-
 /// The second scene takes minutes: its reference tests every ball for every ray.
 #[test]
 fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
@@ -271,7 +252,17 @@ fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn interrupted_bench_says_that_there_is_no_report() {
-    let said = interrupted_at_once("bench builtin:three --frames 10000 --json");
-    assert!(said.contains("Ctrl-C came after 0 of 1 scenes: the report was not written."), "{said}");
+fn commands_that_are_interrupted_before_they_print_say_what_they_leave() {
+    for (line, words) in [
+        ("chart builtin:three -o charts", "Ctrl-C: nothing was drawn in `charts`."),
+        ("bench builtin:three --frames 10000 --json", "after 0 of 1 scenes: the report was not written."),
+    ] {
+        let desk = Desk::new();
+        let mut running = Running::start(&desk, line);
+        running.wait_until_it_listens();
+        running.press_ctrl_c();
+        let (code, printed, said) = running.end();
+        assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
+        assert!(said.contains(words), "{said}");
+    }
 }

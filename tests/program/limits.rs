@@ -59,13 +59,8 @@ fn time_limit_ends_in_time_with_equal_pixels() {
     let line =
         "render endless.json -o a.exr --size 512x256 --bounces 64 --lanes 1 --threads 1 --time-limit 0.3";
     let said = desk.run(line);
-    for words in [
-        "512×256, 0 to 1 samples (mean 0.",
-        "% of the picture has had none and is black\nended by the time limit, ",
-        "too short for one pass\n",
-    ] {
-        assert!(said.contains(words), "{words} is not in {said}");
-    }
+    assert!(said.contains("512×256, 0 to 1 samples (mean 0."), "{said}");
+    assert!(said.contains("% of the picture has had none and is black\nended by the time limit, "), "{said}");
 }
 
 #[test]
@@ -83,31 +78,5 @@ fn whichever_limit_comes_first_ends_the_rendering() {
         let said = desk.run(&line);
         assert!(said.contains(words), "{options}: {said}");
         assert_eq!(desk.json(&line)["ended_by"], end, "{options}");
-    }
-}
-
-#[test]
-fn limits_out_of_range_are_refused_with_their_range() {
-    let desk = Desk::new();
-    for (option, values, range) in [
-        ("--target-error", ["0", "-0.1", "nan", "inf", "", "5%", "1.5"], "from 0.0001 to 1, such as 0.05"),
-        ("--time-limit", ["0", "-1", "nan", "inf", "", "10s", "1e9"], "seconds from 0.001 to 31536000"),
-    ] {
-        for value in values {
-            let arguments = ["render", "scene.json", "-o", "a.png", option, value];
-            desk.refuses_with(&arguments, &[option, value, range]);
-        }
-        desk.refuses(&format!("render scene.json -o a.png {option}"), &[option]);
-    }
-    for (extra, words) in [
-        ("--min-samples 16", &["--target-error"][..]),
-        ("--target-error 0.1 --min-samples 3", &["--min-samples", "from 4 to"]),
-        ("--target-error 0.1 --samples 8 --min-samples 9", &["from 4 to 8"]),
-        ("--samples-map a.png", &["--samples-map a.png", "give another file"]),
-        ("--samples-map ./a.png", &["--samples-map ./a.png", "give another file"]),
-        ("--samples-map b.txt", &["b.txt", ".png"]),
-        ("--samples-map no/such/b.png", &["no/such", "mkdir -p"]),
-    ] {
-        desk.refuses(&format!("render scene.json -o a.png {extra}"), words);
     }
 }

@@ -1,4 +1,4 @@
-//! The command line has manners: what it refuses, how it says so, and that it never panics or leaves half a
+//! Tests of the program: its reports, its files, and what it refuses. It never panics and never leaves half a
 //! file.
 
 #[path = "../common/folder.rs"]

@@ -24,8 +24,7 @@ fn a_path_is_shown_from_the_camera_to_the_sky() {
         }
     }
     let said = desk.run("inspect builtin:cornell --pixel 60,90 --lights on");
-    assert!(said.contains("\nlight direction ") && said.contains("\n+ light  "), "{said}");
-    assert!(said.contains("\n= radiance ") && said.contains("times the throughput"), "{said}");
+    assert!(said.contains("\n+ light  ") && said.contains("\n= radiance "), "{said}");
     assert_fits(&said);
 
     // As render says of the whole picture; a pixel that is not black has no such reason.
@@ -36,9 +35,5 @@ fn a_path_is_shown_from_the_camera_to_the_sky() {
     );
     assert!(!told("inspect scene.json --pixel 4,3 --as-scene"));
 
-    desk.refuses("inspect scene.json --pixel 8,0 --as-scene", &["--pixel 8,0", "0,0 to 7,7"]);
-    desk.refuses("inspect scene.json --pixel 3", &["--pixel", "X,Y"]);
-    for option in ["--sample 1", "--size 8x8", "--sampler random"] {
-        desk.refuses(&format!("inspect scene.json {option}"), &["--pixel"]);
-    }
+    desk.refuses("inspect scene.json --sampler random", &["--pixel"]);
 }

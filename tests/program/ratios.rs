@@ -1,5 +1,5 @@
-//! Figures are held: a ratio is that of the figures beside it, exactly, where each was measured once; an
-//! error is that of its own seed and film.
+//! Each ratio of a report is that of the figures beside it, exactly, where each was measured once; an error
+//! is that of its own seed and film.
 
 use crate::desk::{Desk, SCENE, list, number};
 use octray::film::Picture;

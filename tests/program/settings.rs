@@ -1,5 +1,5 @@
-//! What a run says of itself: options, methods and traversal, size and bounces; and how two runs of `bench`
-//! are compared.
+//! The settings of a run in its report: options, methods and traversal, size and bounces; and how two runs of
+//! `bench` are compared.
 
 use crate::desk::{Desk, SCENE, list, number};
 use octray::lane::{NATIVE_WIDTH, WIDTHS};
@@ -34,15 +34,11 @@ fn every_report_has_the_settings_it_was_made_with() {
 fn texts_have_a_line_of_the_options_that_differ() {
     let desk = Desk::new();
     for (line, options) in [
-        ("compare scene.json --samples 1 --size 6x6 --lights off", "--lights off --samples 1 --size 6x6"),
         ("compare scene.json --samples 16 --seed 0", "the defaults"),
-        ("bench scene.json --frames 1 --size 6x6 --threads 5", "--frames 1 --size 6x6 --threads 5"),
-        (
-            "rays scene.json --passes 1 --size 6x6 --traversal stream",
-            "--passes 1 --size 6x6 --traversal stream",
-        ),
+        ("bench scene.json --frames 1 --size 6x6 --lights off", "--frames 1 --lights off --size 6x6"),
+        ("rays scene.json --passes 1 --size 6x6 --threads 5", "--passes 1 --size 6x6 --threads 5"),
         ("chart scene.json -o charts --budget 0.1 --size 6x6", "--budget 0.1 --size 6x6"),
-        ("render scene.json -o a.png --samples 1 --size 8x8 --seed 5", "--seed 5"),
+        ("render scene.json -o a.png --samples 1 --size 8x8 --clamp 0.1", "--clamp 0.1"),
     ] {
         let said = desk.run(line);
         assert!(said.contains(&format!("options: {options}\n")), "{line}: {said}");
@@ -61,30 +57,19 @@ fn methods_without_a_hierarchy_say_that_every_primitive_is_tested() {
     {
         let line = format!("{command} builtin:knot:200 --size 8x8 {more}");
         for (option, method) in [("--triangle", "moller-trumbore"), ("--sphere", "naive")] {
-            for traversal in ["hybrid", "stream"] {
-                desk.refuses(
-                    &format!("{line} {option} {method} --traversal {traversal}"),
-                    &["--traversal", traversal, option, method, "tests every primitive", "leave out"],
-                );
-            }
-            for more in ["", "--traversal linear", "--traversal auto"] {
-                let report = desk.json(&format!("{line} {option} {method} {more}"));
-                assert_eq!(traversal(&report), "linear", "{command}");
-            }
-            #[cfg(feature = "viewer")]
-            desk.refuses(
-                &format!("view scene.json {option} {method} --traversal single"),
-                &["tests every primitive"],
-            );
-            let said = desk.warnings(&format!("{line} {option} {method}"));
+            let line = format!("{line} {option} {method}");
+            let words = ["--traversal", "stream", option, method, "tests every primitive", "leave out"];
+            desk.refuses(&format!("{line} --traversal stream"), &words);
+            assert_eq!(traversal(&desk.json(&line)), "linear", "{command}");
+            let said = desk.warnings(&line);
             assert_eq!(said.matches("every primitive of builtin:knot:200 is tested").count(), 1, "{said}");
         }
         assert_eq!(traversal(&desk.json(&line)), "hybrid", "{command}");
         let asked = desk.warnings(&format!("{line} --traversal linear"));
         assert!(!asked.contains("every primitive"), "{asked}");
-        let said = desk.run(&line);
-        assert!(said.contains("Traversal: hybrid in") || said.contains("traversal hybrid"), "{said}");
     }
+    #[cfg(feature = "viewer")]
+    desk.refuses("view scene.json --sphere naive --traversal single", &["tests every primitive"]);
 }
 
 #[test]
@@ -123,10 +108,7 @@ fn baseline_gives_ratios_of_what_both_have_and_lists_what_differs() {
     }
     assert_eq!(new["baseline_differences"], json!({ "cpu": [new["settings"]["machine"]["cpu"], "another"] }));
     let shown = desk.run(&with);
-    assert!(
-        ["New over old", "scalar, 1 thread", ", there another."].iter().all(|words| shown.contains(words)),
-        "{shown}"
-    );
+    assert!(shown.contains("New over old") && shown.contains(", there another."), "{shown}");
 
     // Another scene of this name, other settings, an engine that the baseline has not.
     desk.write("scene.json", SCENE.replace("\"radius\": 1", "\"radius\": 2"));
@@ -144,7 +126,6 @@ fn baseline_gives_ratios_of_what_both_have_and_lists_what_differs() {
 
     desk.write("old.json", "{}");
     desk.refuses(&with, &["no report of bench", "octray bench --json"]);
-    desk.refuses(&format!("{line} --baseline gone.json"), &["gone.json", "cannot be read"]);
 }
 
 #[test]
@@ -160,11 +141,8 @@ fn against_times_two_configurations_in_alternation() {
     assert_eq!(against["accuracy"][0]["mismatched_pixels"], 0);
     let said = desk.run(&format!("{line} --against=--lanes=1")).replace('\n', " ");
     let engines = format!(" {NATIVE_WIDTH} lanes, 1 thread over scalar, 1 thread ");
-    let differ = "Here over --lanes=1, frames per second in alternating rounds";
-    assert!(said.contains(&engines) && said.contains(differ) && said.contains(", there 1."), "{said}");
-    for (wrong, word) in
-        [("--traversal=singl", "'single'"), ("--json", "'--json'"), ("three", "'three'"), ("", "name the")]
-    {
+    assert!(said.contains(&engines) && said.contains(", there 1."), "{said}");
+    for (wrong, word) in [("--traversal=singl", "'single'"), ("--json", "'--json'"), ("", "name the")] {
         desk.refuses(&format!("{line} --against={wrong}"), &[&format!("--against \"{wrong}\": "), word]);
     }
 }
@@ -190,16 +168,10 @@ fn against_program_runs_another_program_in_alternation() {
     let against = desk.json(&rival(&asked))["against"].take();
     assert_eq!(list(&against["ratios"]).len(), WIDTHS.len());
     for ratio in list(&against["ratios"]) {
-        assert!(
-            number(&ratio["median"]) > 30.0 && ratio["rounds"] == 10,
-            "a thousand times as fast: {ratio}"
-        );
+        assert!(number(&ratio["median"]) > 30.0 && ratio["rounds"] == 10, "a thousand times: {ratio}");
     }
     assert_eq!(against["differences"]["commit"][1], "older");
-    for (script, word) in [("echo no >&2; exit 3", "exit status: 3: no"), ("echo {}", "no report of bench")] {
-        desk.refuses(&rival(script), &["--against-program rival: ", word]);
-    }
-    desk.refuses(&format!("{line} --against-program gone"), &["--against-program gone", "cannot be run"]);
+    desk.refuses(&rival("echo no >&2; exit 3"), &["--against-program rival: ", "exit status: 3: no"]);
 }
 
 #[test]
@@ -215,16 +187,9 @@ fn size_and_bounces_of_the_scene_are_offered_and_taken() {
     let first = &report["results"][0];
     assert_eq!(json!([first["width"], first["height"], first["max_bounces"]]), json!([8, 8, 4]));
     assert_eq!(report["settings"].get("size"), None);
-    desk.refuses(&with("--as-scene --size 8x8"), &["--as-scene", "--size"]);
 
     let rendered = |more: &str| desk.rendered(&format!("scene.json --samples 1{more}"), "own.exr");
     assert_eq!(rendered(" --as-scene"), rendered(""), "render takes them anyway");
-    desk.refuses("render scene.json -o own.exr --as-scene --bounces 1", &["--as-scene", "--bounces"]);
-
-    let chart = "chart scene.json -o charts --budget 0.1";
-    let other = desk.run(&format!("{chart} --size 6x6"));
-    assert!(other.contains("scene.json has 8×8 and 4 bounces; --as-scene takes them"), "{other}");
-    let own = desk.json(&format!("{chart} --as-scene"));
+    let own = desk.json("chart scene.json -o charts --budget 0.1 --as-scene");
     assert_eq!(own["scenes"][0]["frame_size"], json!([9, 9]), "multiples of 3");
-    desk.refuses(&format!("{chart} --as-scene --bounces 1"), &["--as-scene", "--bounces"]);
 }

@@ -92,19 +92,3 @@ fn unfinished_part_goes_on_in_its_place() {
     desk.run("merge 1.part -o a.exr");
     assert!(desk.bytes("a.exr") == desk.rendered(picture, "b.exr"));
 }
-
-#[test]
-fn shards_that_cannot_join_are_refused_before_they_are_rendered() {
-    let desk = Desk::new();
-    for (arguments, words) in [
-        ("--shard 9/8 -o 1.part", &["'9/8' for '--shard", "3/8"][..]),
-        ("--shard 1/2 -o a.png", &["--output a.png", "octray merge", ".part"]),
-        ("--shard 1/2 -o scene.json", &["scene.json", "not a checkpoint"]),
-        ("--shard 1/2 -o 1.part --target-error 0.1", &["--target-error", "--samples"]),
-        ("--shard 1/2 -o 1.part --time-limit 9", &["--time-limit", "--samples"]),
-        ("--shard 1/2 -o 1.part --samples-map m.png", &["--samples-map"]),
-        ("--shard 1/2 -o 1.part --size 16x16", &["the picture has 1 tile"]),
-    ] {
-        desk.refuses(&format!("render scene.json {arguments}"), words);
-    }
-}

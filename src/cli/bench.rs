@@ -1,15 +1,14 @@
 //! `octray bench`: frames per second, SIMD beside scalar.
 
-use super::error::{CliError, checked, refuse};
-use super::frame::FrameOptions;
-use super::groups::{baseline, lanes};
+use super::error::{CliError, refuse};
 use super::interrupt;
 use super::numbers::{threads, whole};
+use super::options::{FrameOptions, baseline, lanes};
 use super::scenes;
 use super::terminal::{self, Printer};
 use crate::lane::WIDTHS;
 use crate::machine;
-use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, bench};
+use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
 use crate::render::{LaneChoice, Renderer, Settings};
 use crate::report::baseline::{Baseline, over_rounds, text as over_baseline};
@@ -103,7 +102,6 @@ struct Engines {
     frame: FrameOptions,
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     terminal::warn_of_debug_build("bench");
@@ -116,20 +114,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let (mut failed, mut own) = (false, Vec::new());
     let scenes = scenes::checked(&options.scenes, bench_names())?;
     let baseline = options.baseline.as_deref().map(|file| baseline(file, Baseline::read)).transpose()?;
-    // A program that cannot be used shows before anything is measured.
-    let (program, probe) = (options.against_program.as_deref(), Instant::now());
-    let other =
-        program.map(|program| program_report(program, &scenes[0], &engines.words(), 1)).transpose()?;
+    // A program that cannot be used is refused before anything is measured.
+    let probe = Instant::now();
+    report.against = options.against(second.as_ref(), &scenes[0])?;
     let start = start + probe.elapsed();
-    let settings = second.as_ref().map(|second| json(&second.run_settings()));
-    let with = options.against.clone().or(program.map(|program| program.display().to_string()));
-    let there = with.zip(settings.or(other.map(|report| report.settings)));
-    report.against = there.map(|(with, mut settings)| {
-        // They change no rate.
-        settings.as_object_mut().map(|options| options.remove("frames"));
-        let differences = differences(&json(&engines.run_settings()), &settings);
-        Against { with, differences, ..Against::default() }
-    });
     let last_note = |report: &Report| {
         let done = format!("Ctrl-C came after {} of {} scenes", report.accuracy.len(), scenes.len());
         match options.json {
@@ -161,17 +149,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         if let Some(against) = &mut report.against {
             if let (Some(second), Some(accuracy)) = (measured.next(), compared.next()) {
                 against.push(&results, second, accuracy);
-            }
-            if let Some(program) = program {
-                let slowest = results.iter().map(|result| result.fps_median).fold(f64::INFINITY, f64::min);
-                let enough = (A_TURN.as_secs_f64() * slowest) as u32;
-                let frames = options.frames.unwrap_or(enough.clamp(FEWEST_FRAMES as u32, MAX_FRAMES));
-                let programs = [&env::current_exe().unwrap_or_else(|_| "octray".into()), program];
-                let mut reports = [Vec::new(), Vec::new()];
-                for turn in 0..2 * PROGRAM_ROUNDS {
-                    let side = [0, 1, 1, 0][turn % 4];
-                    reports[side].push(program_report(programs[side], spec, &engines.words(), frames)?);
-                }
+            } else if let Some(program) = &options.against_program {
+                let reports = options.rounds(program, spec, &results)?;
                 against.ratios.extend(over_rounds(&scene.name, &reports));
             }
         }
@@ -194,20 +173,55 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         out.text(&stats_of(&report))?;
     }
     out.text(&summary(&report, &defaults))?;
-    out.report(&report)?;
     doubt.iter().for_each(|(_, warning)| terminal::warn(warning));
-    Ok(checked(failed))
+    out.end(&report, failed)
 }
 
 impl Options {
     fn run_settings(&self) -> RunSettings {
         self.engines.run_settings().with("frames", self.frames)
     }
+
+    /// Returns the configuration or the program that the run is compared with, without figures.
+    fn against(&self, second: Option<&Engines>, scene: &OsStr) -> Result<Option<Against>, CliError> {
+        let (with, mut settings) = match (&self.against, second, &self.against_program) {
+            (Some(with), Some(second), _) => (with.clone(), json(&second.run_settings())),
+            (_, _, Some(program)) => {
+                let report = program_report(program, scene, &self.engines.words(), 1)?;
+                (program.display().to_string(), report.settings)
+            }
+            _ => return Ok(None),
+        };
+        // The number of frames changes no rate.
+        settings.as_object_mut().map(|options| options.remove("frames"));
+        let differences = differences(&json(&self.engines.run_settings()), &settings);
+        Ok(Some(Against { with, differences, ..Against::default() }))
+    }
+
+    /// Runs this program and `other` in alternating rounds; `results` are this one's speeds. Returns the reports
+    /// of both.
+    fn rounds(
+        &self,
+        other: &Path,
+        scene: &OsStr,
+        results: &[Measurement],
+    ) -> Result<[Vec<Baseline>; 2], CliError> {
+        let slowest = results.iter().map(|result| result.fps_median).fold(f64::INFINITY, f64::min);
+        let enough = (A_TURN.as_secs_f64() * slowest) as u32;
+        let frames = self.frames.unwrap_or(enough.clamp(FEWEST_FRAMES as u32, MAX_FRAMES));
+        let programs = [&env::current_exe().unwrap_or_else(|_| "octray".into()), other];
+        let mut reports = [Vec::new(), Vec::new()];
+        for turn in 0..2 * PROGRAM_ROUNDS {
+            let side = [0, 1, 1, 0][turn % 4];
+            reports[side].push(program_report(programs[side], scene, &self.engines.words(), frames)?);
+        }
+        Ok(reports)
+    }
 }
 
 impl Engines {
-    /// The widths that were asked for or, by default, that of `--lanes auto`, the other packets that are one
-    /// vector of the machine, and scalar; and the first once more on all cores.
+    /// Returns the widths that were asked for or, by default, that of `--lanes auto`, the other packets that
+    /// are one vector of the machine, and scalar; and the first once more on all cores.
     fn list(&self) -> Vec<Engine> {
         let threads = self.threads.unwrap_or(1);
         let given = self.lanes.iter().map(|choice| choice.lanes());
@@ -231,7 +245,7 @@ impl Engines {
         RunSettings { lanes, threads, ..self.frame.run_settings() }
     }
 
-    /// The options that are not the defaults.
+    /// Returns the options that are not the defaults.
     fn words(&self) -> String {
         self.run_settings().options(&Options::parse_from(["bench"]).engines.run_settings())
     }
@@ -259,7 +273,7 @@ impl Engines {
     }
 }
 
-/// The report of a program on a scene, with these options.
+/// Returns the report of a program on a scene, with these options.
 fn program_report(program: &Path, scene: &OsStr, words: &str, frames: u32) -> Result<Baseline, CliError> {
     let refuse = |why: String| refuse("--against-program", program.display(), why);
     // A name without a folder would be searched for among the installed programs.
@@ -274,7 +288,7 @@ fn program_report(program: &Path, scene: &OsStr, words: &str, frames: u32) -> Re
     Baseline::read(&String::from_utf8_lossy(&output.stdout)).map_err(refuse)
 }
 
-/// Milliseconds from `start` to the end of a first frame.
+/// Returns the milliseconds from `start` to the end of a first frame.
 fn first_frame(scene: &Scene, settings: Settings, start: Instant) -> f64 {
     let renderer = Renderer::new(scene, settings);
     renderer.add_samples(&mut renderer.film(), 1);

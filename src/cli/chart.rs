@@ -1,6 +1,6 @@
 //! `octray chart`: speed against accuracy.
 
-use super::error::{CliError, checked};
+use super::error::CliError;
 use super::ground_truth;
 use super::interrupt;
 use super::numbers::{seconds, size, whole};
@@ -96,7 +96,7 @@ fn chart_size(text: &str) -> Result<[u32; 2], String> {
 }
 
 impl Options {
-    /// Size and bounces of a scene's frames.
+    /// Returns the size and the bounces of a scene's frames.
     fn sized(&self, scene: &Scene) -> ([u32; 2], u32) {
         match self.as_scene {
             true => (scene.resolution.map(|side| side.next_multiple_of(SHRINK)), scene.max_bounces),
@@ -113,7 +113,6 @@ impl Options {
     }
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let start = Instant::now();
     terminal::warn_of_debug_build("chart");
@@ -159,7 +158,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         step("ground truth");
         let place = ground_truth::place(&options.output, &scene, size, max_bounces);
         let kept = ground_truth::load(&place, size);
-        let truth = match kept.filter(|truth| plan.accepts(&truth.info)) {
+        let truth = match kept.filter(|truth| truth.info.is_enough_for(plan.budget)) {
             Some(truth) => truth,
             None => {
                 let truth = plan.ground_truth(&scene);
@@ -176,7 +175,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         let of_scene = [("sphere", !scene.spheres.is_empty()), ("triangle", !scene.triangles.is_empty())];
         shapes.extend(of_scene.into_iter().filter_map(|(shape, has)| has.then_some(shape)));
     }
-    // Methods for shapes that no scene has tell nothing of these scenes.
+    // Methods for shapes that no scene has say nothing about these scenes.
     chart.kernels.retain(|kernel| shapes.contains(&kernel.family));
     bar.set_message("drawing");
     chart.seconds = start.elapsed().as_secs_f64();
@@ -188,12 +187,11 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     out.text(
         &(text(&chart, &defaults, &options.output) + &own_sizes(if options.as_scene { &[] } else { &own })),
     )?;
-    out.report(&chart)?;
     warnings(&chart).iter().for_each(|sentence| terminal::warn(sentence));
-    Ok(checked(chart.scenes.iter().flat_map(|scene| &scene.pictures).any(Line::is_broken)))
+    out.end(&chart, chart.scenes.iter().flat_map(|scene| &scene.pictures).any(Line::is_broken))
 }
 
-/// The page, its drawings and its tables.
+/// Writes the page, its drawings and its tables.
 fn write(folder: &Path, chart: &Chart) -> Result<(), CliError> {
     let save = |name: &str, text: &str| output::save_text(&folder.join(name), text);
     for drawing in drawings(chart) {

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 /// Time between two checkpoints, unless one takes long to save.
 const INTERVAL: Duration = Duration::from_secs(5);
-/// So many times as long as it took to save the last one: saving takes at most a fiftieth of the time.
+/// Multiple of the time that the last save took: saving takes at most a fiftieth of the time.
 const SAVINGS: u32 = 50;
 
 /// Saves the film of a rendering while it grows, and at its end.
@@ -22,12 +22,12 @@ pub struct CheckpointWriter {
     /// The samples that each tile is to have at the end of the round in which the film was saved, by tile
     /// number; empty for a new film.
     pub goals: Vec<u32>,
-    /// By the time that saving takes if `None`.
+    /// `None`: [`INTERVAL`], or longer where saving takes long.
     interval: Option<Duration>,
     due: Instant,
     /// Pixel samples in the file.
     saved: u64,
-    /// Was the user warned that saving fails?
+    /// Whether the user was warned that saving fails.
     warned: bool,
 }
 
@@ -58,18 +58,18 @@ impl CheckpointWriter {
         Ok(Self { file, header, goals, interval, due, saved, warned: false })
     }
 
-    /// When the film is to be saved next.
+    /// Returns the time at which the film is to be saved next.
     pub fn due(&self) -> Instant {
         self.due
     }
 
-    /// Is it time to save, and has the film samples that the file has not?
+    /// Tests whether it is time to save, and the film has samples that the file does not have.
     pub fn is_due(&self, film: &Film) -> bool {
         self.due <= Instant::now() && film.pixel_samples() > self.saved
     }
 
-    /// Saves the film of a rendering that goes on. If that fails, a warning says so once, and the earlier
-    /// checkpoint stays: hours of rendering shall not end because a disk is full.
+    /// Saves the film of a rendering that continues. If that fails, one warning is printed, and the earlier
+    /// checkpoint stays: hours of rendering must not end because a disk is full.
     pub fn save_or_warn(&mut self, film: &Film, goals: &[u32]) {
         let began = Instant::now();
         interrupt::hold();
@@ -97,41 +97,5 @@ impl CheckpointWriter {
 
     fn save(&self, film: &Film, goals: &[u32]) -> Result<(), OutputError> {
         checkpoint::save(&self.file, &self.header, film, goals, &interrupt::insisted)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::checkpoint::{Identity, Shard};
-    use crate::render::{Renderer, Settings};
-    use crate::tone::Tone;
-
-    #[test]
-    fn saving_is_due_only_where_there_is_something_new() {
-        let scene = crate::scene::load("builtin:three").unwrap();
-        let settings = Settings { resolution: [40, 24], max_bounces: 1, ..Settings::of(&scene) };
-        let renderer = Renderer::new(&scene, settings);
-        let mut film = renderer.film();
-        let header = Header {
-            name: scene.name.clone(),
-            identity: Identity::new(&scene, &settings, None, Shard { number: 1, of: 1 }),
-            display: Tone::default(),
-            wanted: 8,
-            complete: false,
-            rays: 0,
-            tiles: 0,
-        };
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("c.part");
-        let resumed = CheckpointWriter::resume(&file, header, Some(Duration::ZERO), &mut film);
-        let mut writer = resumed.unwrap();
-        assert!(!writer.is_due(&film), "nothing is done");
-        for _ in 0..2 {
-            renderer.add_samples(&mut film, 1);
-            assert!(writer.is_due(&film));
-            writer.save_or_warn(&film, &[]);
-            assert!(file.exists() && !writer.is_due(&film), "all is saved");
-        }
     }
 }

@@ -2,8 +2,8 @@
 //! hashes of films, to compare machines and builds.
 
 use super::error::CliError;
-use super::frame::FrameOptions;
 use super::numbers::{samples, threads};
+use super::options::FrameOptions;
 use super::scenes;
 use super::terminal::{self, Printer};
 use crate::lane::WIDTHS;
@@ -72,7 +72,6 @@ impl Options {
     }
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     options.frame.check(BYTES_PER_PIXEL)?;
     let (out, scenes) = (Printer { json: options.json }, scenes::checked(&options.scenes, builtin_names())?);
@@ -92,14 +91,14 @@ fn hash(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCo
         out.text(&hash_row(&result))?;
         report.results.push(result);
     }
-    out.report(&report)?;
-    Ok(ExitCode::SUCCESS)
+    out.end(&report, false)
 }
 
 fn compare_all(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCode, CliError> {
     terminal::warn_of_debug_build("compare");
     let (schema, settings) = ("octray-compare-1", options.run_settings());
-    let mut report = Report { schema, settings, reliable: false, results: Vec::new(), failed: false };
+    let mut report = Report { schema, settings, ..Report::default() };
+    let mut failed = false;
     let defaults = Options::parse_from(["compare"]).run_settings();
     for spec in scenes {
         let (scene, settings) = options.load(&spec)?;
@@ -107,7 +106,7 @@ fn compare_all(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result
             out.text(&heading(&report, &defaults))?;
         }
         let comparison = compare(&scene, settings, options.samples, true);
-        report.failed |= comparison.failed(settings.methods);
+        failed |= comparison.failed(settings.methods);
         out.text(&row(&comparison))?;
         report.results.push(comparison);
     }
@@ -115,5 +114,5 @@ fn compare_all(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result
     report.reliable = doubt.is_none() && !cfg!(debug_assertions);
     out.text(&meaning(&report))?;
     doubt.iter().for_each(|warning| terminal::warn(warning));
-    out.end(&report)
+    out.end(&report, failed)
 }

@@ -34,7 +34,6 @@ pub struct Options {
     force: bool,
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let scene = options.scene.or(options.output).expect("clap requires one of the two");
     let existing = if options.force { Existing::Replace } else { Existing::Keep };

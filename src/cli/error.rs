@@ -6,7 +6,6 @@ use crate::scene::SceneError;
 use std::error::Error;
 use std::fmt::Display;
 use std::io;
-use std::process::ExitCode;
 
 /// Exit code where the input cannot be used: arguments, a scene, an output file, the machine.
 pub const BAD_INPUT: u8 = 2;
@@ -16,12 +15,7 @@ pub const INTERRUPTED: u8 = 130;
 /// How to build for the machine at hand, from a checkout or from a registry.
 pub const REBUILD: &str = env!("OCTRAY_REBUILD");
 
-/// The exit code of a check: 1 if it failed, because pictures differ, for example.
-pub fn checked(failed: bool) -> ExitCode {
-    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
-}
-
-/// An error and its causes, a line each.
+/// Returns an error and its causes, a line each.
 pub fn describe(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
@@ -54,7 +48,7 @@ pub enum CliError {
     Stdout(#[source] io::Error),
 }
 
-/// The error for an option's value that cannot be used, with what to give instead.
+/// Returns the error for an option's value that cannot be used, with what to give instead.
 pub fn refuse(option: &str, value: impl Display, instead: impl Display) -> CliError {
     CliError::Input(format!("{option} {value}: {instead}"))
 }

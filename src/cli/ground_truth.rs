@@ -18,7 +18,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// The path of this scene's ground truth, without an extension.
+/// Returns the path of this scene's ground truth, without an extension.
 pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> PathBuf {
     let picture = (Fingerprint::of(scene), size, max_bounces);
     let mut hasher = DefaultHasher::new();
@@ -26,13 +26,14 @@ pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> 
     folder.join("truth").join(format!("{}-{:016x}", file_name(&scene.name), hasher.finish()))
 }
 
-/// When the program was built, and the size of its file; `None` where the system does not say.
+/// Returns the time at which the program was built, and the size of its file; `None` if the system does not
+/// know them.
 fn build() -> Option<(SystemTime, u64)> {
     let file = fs::metadata(std::env::current_exe().ok()?).ok()?;
     Some((file.modified().ok()?, file.len()))
 }
 
-/// The ground truth at this place; `None` where none can be read or its size differs.
+/// Returns the ground truth at this place; `None` where none can be read or its size differs.
 pub fn load(place: &Path, size: [u32; 2]) -> Option<GroundTruth> {
     let quality: GroundTruthInfo =
         serde_json::from_slice(&fs::read(place.with_extension("json")).ok()?).ok()?;
@@ -52,7 +53,6 @@ pub fn save(place: &Path, truth: &GroundTruth) -> Result<(), CliError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Picture;
 
     #[test]
     fn places_differ_in_all_that_decides_a_ground_truth() {
@@ -64,26 +64,5 @@ mod tests {
         let mut shining = scene;
         shining.materials[0].emission.z += 1e-6;
         assert_ne!(one, of(&shining, [48, 27], 4), "light");
-    }
-
-    #[test]
-    fn ground_truth_is_saved_bit_by_bit() {
-        let folder = tempfile::tempdir().unwrap();
-        let place = folder.path().join("truth").join("one");
-        let pixels = (0..18).map(|at| [at as f32 / 7.0, 1e-9 * at as f32, 1e4 / (1 + at) as f32]).collect();
-        let frame = Picture { width: 6, height: 3, pixels };
-        let quality = GroundTruthInfo {
-            samples: 14,
-            frame_rmse: 0.1,
-            small_rmse: 0.1 / 3.0,
-            budget_s: 1.5,
-            cached: false,
-        };
-        let truth = GroundTruth::from_kept(frame, quality);
-        save(&place, &truth).unwrap();
-        assert_eq!(load(&place, [6, 3]), Some(truth));
-        assert_eq!(load(&place, [3, 6]), None);
-        fs::remove_file(place.with_extension("json")).unwrap();
-        assert_eq!(load(&place, [6, 3]), None, "a picture without its quality");
     }
 }

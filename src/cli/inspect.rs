@@ -1,9 +1,8 @@
 //! `octray inspect`: what a scene contains, and which methods and traversal it gets; or one path of a pixel.
 
-use super::error::{CliError, checked, refuse};
-use super::frame::FrameOptions;
-use super::groups::SCENE;
+use super::error::{CliError, refuse};
 use super::numbers::{MAX_SAMPLES, whole};
+use super::options::{FrameOptions, SCENE};
 use super::scenes;
 use super::terminal::{self, Printer};
 use crate::diagnosis;
@@ -51,19 +50,18 @@ pub struct Options {
     frame: FrameOptions,
 }
 
-/// All options but these are of a path.
+/// Makes every option except these four require `--pixel`.
 fn of_pixel(arg: clap::Arg) -> clap::Arg {
     let is_any = ["scene", "why", "json", "pixel"].contains(&arg.get_id().as_str());
     if is_any { arg } else { arg.requires("pixel") }
 }
 
-/// Column and row.
+/// Parses a column and a row.
 fn pixel(text: &str) -> Result<[u32; 2], String> {
     let pair = text.split_once(',').and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]));
     pair.ok_or("give column and row as X,Y, such as 120,67".into())
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let out = Printer { json: options.json };
     if let Some(pixel) = options.pixel {
@@ -72,8 +70,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let scene = scenes::load(&options.scene)?;
     let inspection = Inspection::of(options.scene.to_string_lossy().into_owned(), &scene);
     out.text(&inspection.text(options.why))?;
-    out.report(&inspection)?;
-    Ok(checked(!inspection.is_valid()))
+    out.end(&inspection, !inspection.is_valid())
 }
 
 /// Prints a path.
@@ -117,8 +114,7 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
     });
     let own: Vec<String> = settings::own_size(&scene, &settings).into_iter().collect();
     out.text(&(path::text(&report, &scene) + &settings::own_sizes(&own)))?;
-    out.report(&report)?;
-    Ok(ExitCode::SUCCESS)
+    out.end(&report, false)
 }
 
 /// Warns as `octray render` does, if it would of a picture in which this path of so many vertices is black.

@@ -24,14 +24,15 @@ fn last_note() -> MutexGuard<'static, String> {
     LAST_NOTE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on Ctrl-C ends the program after a note that says what is left of the run. Where the handler
-/// cannot be installed, without.
+/// Makes Ctrl-C end the program after a note that says what remains of the run. Does nothing if the handler
+/// cannot be installed.
 pub fn end_with(note: impl Into<String>) {
     set_last_note(note);
     on_signal(|_| end_after(last_note().clone())).ok();
 }
 
-/// Installs a handler of signals, which hears whether one insists when it comes again.
+/// Installs a handler of signals. Its argument is true for Ctrl-C, which, sent again, ends the program at
+/// once.
 #[cfg(unix)]
 fn on_signal(mut handle: impl FnMut(bool) + Send + 'static) -> io::Result<()> {
     let ends = [(!is_hang_up_ignored()).then_some(SIGHUP), Some(SIGTERM), Some(SIGINT)];
@@ -45,7 +46,7 @@ fn on_signal(mut handle: impl FnMut(bool) + Send + 'static) -> Result<(), ctrlc:
     ctrlc::set_handler(move || handle(true))
 }
 
-/// Whether `nohup` started the program; taken to have where the system does not say.
+/// Tests whether `nohup` started the program; true if the system does not report it.
 #[cfg(unix)]
 fn is_hang_up_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -59,8 +60,8 @@ pub fn set_last_note(note: impl Into<String>) {
     *last_note() = note.into();
 }
 
-/// Says something below the progress line, if there is one. From a thread of its own: where nobody reads
-/// standard error, the handler must still hear Ctrl-C. The receiver hears of the end.
+/// Prints a note below the progress line, if there is one, from a thread of its own: if nobody reads standard
+/// error, the handler must still receive Ctrl-C. The receiver is notified at the end.
 fn note(line: String) -> Receiver<()> {
     let (said, end) = channel();
     std::thread::spawn(move || {
@@ -71,7 +72,7 @@ fn note(line: String) -> Receiver<()> {
     end
 }
 
-/// Ends the program after a last word, which may take this long.
+/// Ends the program after a note; waits at most `LAST_WORD` for it to be printed.
 fn end_after(line: String) -> ! {
     const LAST_WORD: Duration = Duration::from_secs(1);
     note(line).recv_timeout(LAST_WORD).ok();
@@ -103,12 +104,13 @@ pub fn listen() {
     }
 }
 
-/// A new picture begins: until a part of it is done, the first Ctrl-C ends the program.
+/// Marks the start of a new picture: until a part of it is done, the first Ctrl-C ends the program.
 pub fn begin() {
     BEGUN.store(false, Ordering::SeqCst);
 }
 
-/// From now on an early end keeps a picture; before, the first Ctrl-C ends the program.
+/// Declares that a part of the picture is done: an early end now keeps it. Before, the first Ctrl-C ends the
+/// program.
 pub fn set_begun() {
     // Called after every tile by all threads: a load leaves the cache line shared, a store would not.
     if !BEGUN.load(Ordering::Relaxed) {
@@ -116,23 +118,23 @@ pub fn set_begun() {
     }
 }
 
-/// Has the user requested an end?
+/// Tests whether the user requested an end.
 pub fn requested() -> bool {
     REQUESTS.load(Ordering::SeqCst) > 0
 }
 
-/// Has the user pressed Ctrl-C again, for an end at once without a picture?
+/// Tests whether the user pressed Ctrl-C again, to end at once without a picture.
 pub fn insisted() -> bool {
     REQUESTS.load(Ordering::SeqCst) > 1
 }
 
-/// From now on a second Ctrl-C does not end the program at once: a file is being written, and a partial file
-/// must be removed first. The writer polls [`insisted`].
+/// Keeps a second Ctrl-C from ending the program at once: a file is being written, and a partial file must be
+/// removed first. The writer polls [`insisted`].
 pub fn hold() {
     HOLDING.store(true, Ordering::SeqCst);
 }
 
-/// Ends [`hold`]. A second Ctrl-C since then ends the program now.
+/// Reverts [`hold`]. If a second Ctrl-C came since then, the program ends now.
 pub fn release() {
     HOLDING.store(false, Ordering::SeqCst);
     if insisted() {

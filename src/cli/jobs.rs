@@ -1,12 +1,10 @@
-//! What one call of `render` makes: a picture, a part of one, or the pictures of frames.
+//! The films that one call of `render` makes: a picture, a part of one, or the pictures of frames.
 
 use super::error::{CliError, refuse};
-use super::frames::{frames, numbered, shard};
-use super::groups::SCENE;
 use super::limits::LimitOptions;
 use super::numbers::seconds;
+use super::options::{PictureOptions, SCENE};
 use super::outputs::{is_same, keep_inputs};
-use super::picture::PictureOptions;
 use crate::checkpoint::{CheckpointError, Shard, is_checkpoint};
 use crate::output::{self, Existing, Format};
 use crate::sampling::random::mix_bits;
@@ -92,15 +90,15 @@ pub struct Job {
 }
 
 impl Job {
-    /// The seed of the film where that of the call is `seed`: each frame has noise of its own, and frame 0
+    /// Returns the seed of the film, given that of the call: each frame has noise of its own, and frame 0
     /// that of a still.
     pub fn seed(&self, seed: u32) -> u32 {
         seed.wrapping_add(mix_bits(self.frame.unwrap_or(0)))
     }
 }
 
-/// The jobs of a call, with their files checked: they can be written. Frames are a job each; of a shard,
-/// every N-th.
+/// Returns the jobs of a call, with their files checked: they can be written. Frames are a job each; of a
+/// shard, every N-th.
 pub fn jobs(options: &RenderOptions) -> Result<Vec<Job>, CliError> {
     let jobs: Vec<Job> = match (&options.frames, options.shard) {
         (None, shard) => {
@@ -121,7 +119,7 @@ pub fn jobs(options: &RenderOptions) -> Result<Vec<Job>, CliError> {
     Ok(jobs)
 }
 
-/// An error about `--shard`.
+/// Returns an error about `--shard`.
 pub fn refuse_shard(Shard { number, of }: Shard, instead: impl AsRef<str>) -> CliError {
     refuse("--shard", format!("{number}/{of}"), instead.as_ref())
 }
@@ -142,7 +140,7 @@ fn check_shard(shard: Shard, options: &RenderOptions) -> Result<(), CliError> {
     Err(refuse_shard(shard, instead))
 }
 
-/// The whole call's, or that of a frame, whose number is in the names of the files.
+/// Returns the job of the whole call, or that of a frame, whose number is in the names of the files.
 fn job(options: &RenderOptions, frame: Option<u32>) -> Result<Job, CliError> {
     let name = |option, path: &PathBuf| match frame {
         None => Ok(path.clone()),
@@ -179,7 +177,7 @@ fn check(Job { output, shard, checkpoint, samples_map, .. }: &Job) -> Result<(),
     Ok(())
 }
 
-/// A file that a checkpoint may replace: there is none, or one that is a checkpoint.
+/// Refuses a file that a checkpoint may not replace: it exists and is no checkpoint.
 fn check_checkpoint(option: &str, file: &Path, what: &str) -> Result<(), CliError> {
     if Format::of(file).is_ok() {
         let instead = format!("{what}: give a name with another ending, such as .part");
@@ -195,7 +193,7 @@ fn check_checkpoint(option: &str, file: &Path, what: &str) -> Result<(), CliErro
 /// Refuses to replace a file that the scene was read from, or another output.
 pub fn keep_files(jobs: &[Job], of_scene: &[PathBuf]) -> Result<(), CliError> {
     let outputs = jobs.iter().flat_map(|job| {
-        // A shard that is also its checkpoint goes on where it was interrupted.
+        // A shard that is also its checkpoint continues where it was interrupted.
         let checkpoint = job.checkpoint.as_ref().filter(|file| !is_same(file, &job.output));
         let files = [
             ("--output", Some(&job.output)),
@@ -205,4 +203,56 @@ pub fn keep_files(jobs: &[Job], of_scene: &[PathBuf]) -> Result<(), CliError> {
         files.into_iter().filter_map(|(option, file)| Some((option, file?.as_path())))
     });
     keep_inputs(of_scene, outputs)
+}
+
+/// Largest number of a frame.
+const MAX_FRAME: u32 = 9_999_999;
+/// Most shards: more than there are machines, and fewer than tiles in most pictures.
+const MAX_SHARDS: u32 = 65_536;
+
+/// Reads the first and the last frame, `A..B`, or `A` for a single one.
+fn frames(text: &str) -> Result<RangeInclusive<u32>, &'static str> {
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    match (first.parse(), last.parse()) {
+        (Ok(first), Ok(last)) if first <= last && last <= MAX_FRAME => Ok(first..=last),
+        (Ok(first), Ok(last)) if first > last => {
+            Err("the first frame is after the last: give A..B, such as 1..48")
+        }
+        _ => Err("give the first and the last frame as A..B, such as 1..48"),
+    }
+}
+
+/// Reads `I/N`.
+fn shard(text: &str) -> Result<Shard, &'static str> {
+    match text.split_once('/').map(|(number, of)| (number.parse(), of.parse())) {
+        Some((Ok(number), Ok(of))) if (1..=of).contains(&number) && of <= MAX_SHARDS => {
+            Ok(Shard { number, of })
+        }
+        _ => Err("give I/N, such as 3/8 for the third of eight parts; I is from 1 to N"),
+    }
+}
+
+/// Returns the file of a frame: the last `#`, or row of them, of the file's name becomes the frame's number,
+/// with zeros to as many digits as there are `#`. `None` without a `#`.
+fn numbered(path: &Path, frame: u32) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let end = name.rfind('#')? + 1;
+    let start = name[..end].trim_end_matches('#').len();
+    let digits = end - start;
+    Some(path.with_file_name(format!("{}{frame:0digits$}{}", &name[..start], &name[end..])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbered_fills_the_last_row_of_signs() {
+        let name = |path: &str| numbered(path.as_ref(), 42).map(|path| path.to_str().unwrap().to_owned());
+        assert_eq!(name("a/shot-####.png").as_deref(), Some("a/shot-0042.png"));
+        assert_eq!(name("#.png").as_deref(), Some("42.png"));
+        assert_eq!(name("take#2-###.exr").as_deref(), Some("take#2-042.exr"));
+        assert_eq!(name("a#/shot.png"), None);
+        assert_eq!(name("shot.png"), None);
+    }
 }

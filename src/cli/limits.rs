@@ -57,7 +57,7 @@ pub struct Limits {
 }
 
 impl LimitOptions {
-    /// The limits. `of_view` are a view's samples, which any of these options overrides.
+    /// Returns the limits. `of_view` are a view's samples, which any of these options overrides.
     pub fn limits(&self, of_view: Option<u32>) -> Result<Limits, CliError> {
         let samples = match (self.samples, self.target_error, self.time_limit) {
             (Some(samples), ..) => samples,

@@ -5,7 +5,7 @@ use super::terminal;
 use crate::film::Film;
 use crate::film::noise::Noise;
 use crate::machine;
-use crate::report::numbers::bytes;
+use indicatif::DecimalBytes;
 
 /// A picture that takes more bytes than this, or more than this share of the available memory, gets a
 /// warning.
@@ -25,27 +25,27 @@ pub fn check_film(size: [u32; 2], with_noise: bool) -> Result<(), CliError> {
     check(size, Film::BYTES_PER_PIXEL + if with_noise { Noise::BYTES_PER_PIXEL } else { 0 })
 }
 
-/// The same without warnings: the reason for a refusal.
+/// Returns the reason why a picture of this size is refused, without printing a warning.
 #[cfg(feature = "viewer")]
 pub fn room_for(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), String> {
     judge(size, bytes_per_pixel, machine::available_memory()).map(drop)
 }
 
-/// The warning, if there is one.
+/// Returns the warning about a picture of this size, if there is one; the error refuses it.
 fn judge(size: [u32; 2], bytes_per_pixel: usize, available: Option<u64>) -> Result<Option<String>, String> {
     let [width, height] = size;
     let needed = u64::from(width) * u64::from(height) * bytes_per_pixel as u64;
-    let takes = format!("{width}×{height} pixels take about {} of memory", bytes(needed));
+    let takes = format!("{width}×{height} pixels take about {} of memory", DecimalBytes(needed));
     match available {
         Some(available) if needed > available => {
-            // The same shape, smaller.
+            // Same aspect ratio, smaller.
             let shrink = (available as f64 / needed as f64).sqrt();
             let [width, height] = size.map(|side| ((f64::from(side) * shrink) as u32).max(1));
             let mend = format!("give a smaller one, such as --size {width}x{height}, or end other programs");
-            Err(format!("{takes}, and {} are available\n  {mend}", bytes(available)))
+            Err(format!("{takes}, and {} are available\n  {mend}", DecimalBytes(available)))
         }
         Some(available) if needed > LARGE || needed as f64 > LARGE_SHARE * available as f64 => {
-            Ok(Some(format!("{takes}; {} are available.", bytes(available))))
+            Ok(Some(format!("{takes}; {} are available.", DecimalBytes(available))))
         }
         None if needed > LARGE => Ok(Some(format!("{takes}."))),
         _ => Ok(None),
@@ -58,19 +58,19 @@ mod tests {
 
     #[test]
     fn judge_warns_of_large_pictures_and_refuses_what_does_not_fit() {
-        let quiet = |size, available| judge(size, 40, available).unwrap().is_none();
-        assert!(quiet([240, 135], Some(1_000_000_000)) && quiet([240, 135], None));
-        assert!(quiet([7000, 7000], Some(100_000_000_000)), "1.96 GB of a hundred");
-        let warned = |size, available| judge(size, 40, available).unwrap().unwrap();
-        assert_eq!(
-            warned([8000, 8000], Some(100_000_000_000)),
-            "8000×8000 pixels take about 2.6 GB of memory; 100.0 GB are available."
-        );
-        assert!(warned([8000, 8000], None).ends_with("2.6 GB of memory."));
-        assert!(warned([1000, 1000], Some(150_000_000)).contains("40.0 MB"), "more than a quarter");
-        assert!(warned([1000, 1000], Some(40_000_000)).contains("40.0 MB"), "it just fits");
-        let refused = judge([16_384, 8_192], 40, Some(1_000_000_000)).unwrap_err();
-        assert!(refused.contains("5.4 GB") && refused.contains("1.0 GB"), "{refused}");
-        assert!(refused.contains("--size 7071x3535"), "{refused}");
+        let judged = |size, available| judge(size, 40, available).map(Option::unwrap_or_default);
+        for (size, available) in
+            [([240, 135], Some(1_000_000_000)), ([240, 135], None), ([7000, 7000], Some(100_000_000_000))]
+        {
+            assert_eq!(judged(size, available), Ok(String::new()));
+        }
+        let large = "8000×8000 pixels take about 2.56 GB of memory";
+        assert_eq!(judged([8000, 8000], None).unwrap(), format!("{large}."));
+        let said = judged([8000, 8000], Some(100_000_000_000)).unwrap();
+        assert_eq!(said, format!("{large}; 100.00 GB are available."));
+        let fits = judged([1000, 1000], Some(40_000_000)).unwrap();
+        assert!(fits.contains("40.00 MB are available"), "more than a quarter, and it just fits: {fits}");
+        let refused = judged([16_384, 8_192], Some(1_000_000_000)).unwrap_err();
+        assert!(refused.contains("5.37 GB") && refused.contains("--size 7071x3535"), "{refused}");
     }
 }

@@ -1,9 +1,9 @@
 //! `octray merge`: the shards of a picture joined.
 
 use super::error::CliError;
-use super::groups::choice;
 use super::memory;
 use super::numbers::exposure;
+use super::options::choice;
 use super::outputs::keep_inputs;
 use super::terminal::Printer;
 use crate::checkpoint::merge::Parts;
@@ -39,11 +39,9 @@ pub struct Options {
     json: bool,
 }
 
-/// The JSON report.
 #[derive(Debug, Serialize)]
 struct Report {
     schema: &'static str,
-    /// Name of the scene.
     scene: String,
     output: String,
     parts: usize,
@@ -54,7 +52,6 @@ struct Report {
     discarded_samples: u64,
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     Format::of(&options.output)?;
     output::check(&options.output, Existing::Replace)?;
@@ -87,6 +84,5 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let out = Printer { json: options.json };
     let (samples, parts) = (grouped(report.samples), counted(report.parts, "part", "parts"));
     out.text(&format!("{}: {width}×{height}, {samples} samples, from {parts}\n", report.output))?;
-    out.report(&report)?;
-    Ok(ExitCode::SUCCESS)
+    out.end(&report, false)
 }

@@ -25,7 +25,7 @@ pub struct Options {
     json: bool,
 }
 
-/// The methods of an option, as text and as JSON.
+/// Returns the methods of an option, as text and as JSON.
 fn of<C: Choice + Default>(option: &str, what: &str) -> (String, Vec<Value>) {
     let is_default = |it: C| it == C::default();
     let name = |it: C| format!("  {}{}", it.name(), if is_default(it) { " *" } else { "" });
@@ -34,7 +34,6 @@ fn of<C: Choice + Default>(option: &str, what: &str) -> (String, Vec<Value>) {
     (format!("--{option}: {what}\n{lines}"), C::all().iter().map(json).collect())
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let all = [
         of::<SphereChoice>("sphere", "ray-sphere intersection"),
@@ -49,6 +48,5 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let (texts, methods): (Vec<_>, Vec<_>) = all.into_iter().unzip();
     let out = Printer { json: options.json };
     out.text(&texts.join("\n"))?;
-    out.report(&json!({ "schema": "octray-methods-1", "methods": methods.concat() }))?;
-    Ok(ExitCode::SUCCESS)
+    out.end(&json!({ "schema": "octray-methods-1", "methods": methods.concat() }), false)
 }

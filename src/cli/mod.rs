@@ -1,22 +1,4 @@
 //! The command line: one file a command, with its options and their help; exit codes.
-//!
-//! | file | what it does |
-//! |---|---|
-//! | `numbers`, `groups` | value parsers; options of methods |
-//! | `picture`, `frame`, `limits` | options that commands share, and the settings made of them |
-//! | `bench`, `compare`, `render`, `rays`, `chart`, `view` | commands |
-//! | `stability`, `merge`, `convert`, `inspect`, `methods` | commands |
-//! | `scenes`, `outputs` | loads the scenes of commands; refuses to replace what a command reads |
-//! | `trace`, `interrupt`, `progress` | sampling up to a limit, Ctrl-C, progress lines |
-//! | `jobs`, `frames` | of `render`: its options, the pictures or parts of one call, and their files |
-//! | `checkpoint` | of `render`: saves the film and resumes from it |
-//! | `samples_map` | of `render`: a picture of the number of samples |
-//! | `ground_truth` | of `chart`: the cache of ground truths |
-//! | `ray_dump` | of `rays`: rays and hits as files |
-//! | `machine_check` | refuses a machine without the instructions compiled for |
-//! | `memory` | refuses pictures that do not fit into memory |
-//! | `terminal` | the only writer to standard output and standard error |
-//! | `error` | errors and exit codes |
 
 mod bench;
 mod chart;
@@ -24,10 +6,7 @@ mod checkpoint;
 mod compare;
 mod convert;
 mod error;
-mod frame;
-mod frames;
 mod ground_truth;
-mod groups;
 mod inspect;
 mod interrupt;
 mod jobs;
@@ -37,13 +16,12 @@ mod memory;
 mod merge;
 mod methods;
 mod numbers;
+mod options;
 mod outputs;
-mod picture;
 mod progress;
 mod ray_dump;
 mod rays;
 mod render;
-mod samples_map;
 mod scenes;
 mod stability;
 mod terminal;
@@ -77,7 +55,7 @@ struct Args {
     command: Option<Command>,
 }
 
-/// The built-in scenes.
+/// Returns the built-in scenes.
 fn after_help() -> String {
     let names: Vec<String> = crate::scene::builtin_names().map(|name| format!("builtin:{name}")).collect();
     format!(
@@ -123,14 +101,14 @@ octray --help lists everything; octray COMMAND --help explains one command.
 /// Runs the program on the process's arguments.
 pub fn main() -> ExitCode {
     // First, because all that follows may use instructions that this machine lacks.
-    let verdict = machine_check::verdict();
-    if let Err(error) = verdict.require() {
-        return report(&error);
-    }
+    let advice = match machine_check::check() {
+        Ok(advice) => advice,
+        Err(error) => return report(&error),
+    };
     // Exits on wrong usage with code 2, and after --help and --version with 0.
     let args = Args::try_parse_from(arguments(std::env::args_os()))
         .unwrap_or_else(|error| without_tip(error).exit());
-    match run(args, &verdict) {
+    match run(args, advice) {
         Ok(code) => code,
         // The reader closed the pipe, as `head` does: not an error.
         Err(CliError::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
@@ -138,7 +116,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// `octray help COMMAND`, whatever options follow, as `octray COMMAND --help`.
+/// Turns `octray help COMMAND`, with any options, into `octray COMMAND --help`.
 fn arguments(given: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut given: Vec<_> = given.collect();
     if given.get(1).is_some_and(|first| first == "help") {
@@ -148,7 +126,8 @@ fn arguments(given: impl Iterator<Item = OsString>) -> Vec<OsString> {
     given
 }
 
-/// The error without clap's tip to pass an unknown option as a value: no scene is named like an option.
+/// Returns the error without clap's tip to pass an unknown option as a value: no scene is named like an
+/// option.
 fn without_tip(mut error: clap::Error) -> clap::Error {
     if let Some(ContextValue::StyledStrs(tips)) = error.get(ContextKind::Suggested) {
         let others = tips.iter().filter(|tip| !tip.to_string().contains("as a value")).cloned().collect();
@@ -157,7 +136,7 @@ fn without_tip(mut error: clap::Error) -> clap::Error {
     error
 }
 
-fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliError> {
+fn run(args: Args, advice: Option<String>) -> Result<ExitCode, CliError> {
     let Some(command) = args.command else {
         terminal::print(WELCOME)?;
         return Ok(ExitCode::SUCCESS);
@@ -165,7 +144,7 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
     // The speed of the others does not matter.
     if !matches!(command, Command::Merge(_) | Command::Convert(_) | Command::Inspect(_) | Command::Methods(_))
     {
-        verdict.advise();
+        advice.iter().for_each(|advice| terminal::warn(advice));
     }
     match command {
         Command::Bench(options) => bench::run(options),
@@ -187,15 +166,4 @@ fn run(args: Args, verdict: &machine_check::Verdict) -> Result<ExitCode, CliErro
 fn report(error: &CliError) -> ExitCode {
     terminal::note(&format!("error: {}", error::describe(error)));
     ExitCode::from(BAD_INPUT)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    #[test]
-    fn args_are_consistent_in_claps_own_judgement() {
-        Args::command().debug_assert();
-    }
 }

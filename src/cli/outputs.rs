@@ -30,9 +30,9 @@ pub fn is_same(one: &Path, other: &Path) -> bool {
     place(one) == place(other)
 }
 
-/// Returns a key that tells files apart. A file that exists has its number as key, which is the same by every
-/// link and, where the system ignores case, spelling. A new file has its canonical path, or the path itself
-/// where its folder does not exist.
+/// Returns a key that identifies a file. A file that exists has its device and inode as key, which are the
+/// same by every link and, where the system ignores case, spelling. A new file has its canonical path, or the
+/// path itself where its folder does not exist.
 fn place(path: &Path) -> PathBuf {
     #[cfg(unix)]
     if let Ok(found) = path.metadata() {

@@ -26,8 +26,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Starts now, for a film of so many pixels that has pixel samples of an earlier run; `limit` is the time
-    /// limit, if there is one.
+    /// Starts the line for a film of so many pixels that has pixel samples of an earlier run; `limit` is the
+    /// time limit, if there is one.
     pub fn new(pixels: u64, resumed: u64, limit: Option<Duration>) -> Self {
         let rays = Arc::new(AtomicU64::new(0));
         let (counted, start) = (rays.clone(), Instant::now());
@@ -57,8 +57,8 @@ impl Progress {
     }
 }
 
-/// The line of a run that began at `start` with a budget of `time`: the share of it that has passed, and the
-/// present step, which is its message.
+/// Starts the line of a run that began at `start` with a budget of `time`: the share of it that has passed,
+/// and the present step, which is its message.
 pub fn countdown(start: Instant, time: Duration) -> ProgressBar {
     let passed = move || start.elapsed().div_duration_f64(time).min(1.0);
     let filled = move |_: &ProgressState, out: &mut dyn Write| {
@@ -72,7 +72,7 @@ pub fn countdown(start: Instant, time: Duration) -> ProgressBar {
     line(None, template.with_key("filled", filled).with_key("say", say))
 }
 
-/// The line of a list of tasks, which several threads take, with the time left.
+/// Starts the line of a list of tasks, which several threads take, with the time left.
 pub fn tasks(count: usize) -> ProgressBar {
     let left = |state: &ProgressState, out: &mut dyn Write| {
         let (share, time) = (f64::from(state.fraction()), state.elapsed());
@@ -81,7 +81,7 @@ pub fn tasks(count: usize) -> ProgressBar {
     line(Some(count as u64), style("{wide_bar} {pos}/{len}{left}").with_key("left", left))
 }
 
-/// A line on standard error, redrawn by a separate thread, if that is a terminal.
+/// Starts a line on standard error, redrawn by a separate thread, if that is a terminal.
 fn line(length: Option<u64>, style: ProgressStyle) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr_with_hz(10));
     bar.set_style(style);
@@ -95,8 +95,8 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// The text behind the bar, at `done` of `expected` pixel samples, `had` of them by an earlier run; `pixels`
-/// of them are a pass.
+/// Returns the text behind the bar, at `done` of `expected` pixel samples, `had` of them by an earlier run;
+/// `pixels` of them are a pass.
 fn figures(
     [had, done]: [u64; 2],
     pixels: u64,
@@ -122,7 +122,8 @@ fn figures(
     text
 }
 
-/// The time left at this share of the work, `own` of which took this time; empty while it is uncertain.
+/// Returns the time left at this share of the work, `own` of which took this time; empty while it is
+/// uncertain.
 fn time_left(share: f64, own: f64, time: Duration) -> String {
     if !(SETTLED_SHARE..1.0).contains(&share) || time < SETTLED {
         return String::new();
@@ -135,33 +136,26 @@ fn time_left(share: f64, own: f64, time: Duration) -> String {
 mod tests {
     use super::*;
 
+    /// Each sample has 1,000 pixels, and 4 are expected.
     #[test]
     fn figures_move_within_a_sample_and_tell_the_time_left_only_when_it_is_known() {
-        let seconds = Duration::from_secs;
-        let after = |done, time| figures([0, done], 1_000, 4_000, 2_000_000 * time, seconds(time), None);
-        assert_eq!(figures([0, 0], 1_000, 4_000, 0, Duration::ZERO, None), "0.0 %  0/4 samples  0.0 Mray/s");
-        assert_eq!(after(16, 60), "0.4 %  0/4 samples  2.0 Mray/s", "too little is done");
-        assert_eq!(after(2_000, 1), "50.0 %  2/4 samples  2.0 Mray/s", "too little time has passed");
-        assert_eq!(after(400, 6), "10.0 %  0/4 samples  2.0 Mray/s  perhaps 54 seconds left");
-        assert_eq!(after(3_000, 540), "75.0 %  3/4 samples  2.0 Mray/s  3 minutes left");
-        assert_eq!(
-            after(3_999, 9),
-            "100.0 %  3/4 samples  2.0 Mray/s  1 second left",
-            "never none before the end"
-        );
-        assert_eq!(after(4_000, 9), "100.0 %  4/4 samples  2.0 Mray/s");
-        // Half was there; a quarter took nine seconds, and so will the last one.
-        let resumed = figures([2_000, 3_000], 1_000, 4_000, 18_000_000, seconds(9), None);
-        assert_eq!(resumed, "75.0 %  3/4 samples  2.0 Mray/s  9 seconds left");
-    }
-
-    #[test]
-    fn figures_go_by_the_clock_where_it_will_end_first() {
-        let seconds = Duration::from_secs;
-        let after =
-            |done, time| figures([0, done], 1_000, 4_000, 2_000_000 * time, seconds(time), Some(seconds(10)));
-        assert_eq!(after(500, 5), "50.0 %  0 samples  2.0 Mray/s  5 seconds left");
-        assert_eq!(after(3_000, 5), "75.0 %  3/4 samples  2.0 Mray/s  2 seconds left");
-        assert_eq!(after(500, 12), "100.0 %  0 samples  2.0 Mray/s");
+        for (samples, seconds, limit, progress, left) in [
+            ([0, 16], 60, None, "0.4 %  0/4", ""),
+            ([0, 2_000], 1, None, "50.0 %  2/4", ""),
+            ([0, 400], 6, None, "10.0 %  0/4", "  perhaps 54 seconds left"),
+            ([0, 3_000], 540, None, "75.0 %  3/4", "  3 minutes left"),
+            ([0, 3_999], 9, None, "100.0 %  3/4", "  1 second left"),
+            ([0, 4_000], 9, None, "100.0 %  4/4", ""),
+            // Half was there; a quarter took nine seconds, and so will the last one.
+            ([2_000, 3_000], 9, None, "75.0 %  3/4", "  9 seconds left"),
+            // The clock decides where it will end first.
+            ([0, 500], 5, Some(10), "50.0 %  0", "  5 seconds left"),
+            ([0, 3_000], 5, Some(10), "75.0 %  3/4", "  2 seconds left"),
+            ([0, 500], 12, Some(10), "100.0 %  0", ""),
+        ] {
+            let (time, limit) = (Duration::from_secs(seconds), limit.map(Duration::from_secs));
+            let found = figures(samples, 1_000, 4_000, 2_000_000 * seconds, time, limit);
+            assert_eq!(found, format!("{progress} samples  2.0 Mray/s{left}"));
+        }
     }
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const RAYS: &[u8; 8] = b"OCTRAYS1";
 const TRIANGLES: &[u8; 8] = b"OCTRITR1";
 
-/// All files that are written into a folder.
+/// Returns all files that are written into a folder.
 pub fn files(folder: &Path) -> [PathBuf; 4] {
     ["primary.rays", "shadow.rays", "diffuse.rays", "triangles.bin"].map(|name| folder.join(name))
 }

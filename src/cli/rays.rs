@@ -1,8 +1,8 @@
 //! `octray rays`: rays per second, by kind of ray and traversal.
 
 use super::error::{CliError, refuse};
-use super::groups::{SCENE, baseline, choice, lanes, one_of};
 use super::numbers::{seed, size, threads, whole};
+use super::options::{SCENE, baseline, choice, lanes, one_of};
 use super::outputs::keep_inputs;
 use super::ray_dump;
 use super::scenes;
@@ -122,7 +122,7 @@ impl Options {
         }
     }
 
-    /// The methods that were asked for, where their widths were.
+    /// Returns the methods that were asked for, where their widths were.
     fn ways(&self) -> Vec<TraceMethod> {
         let mut ways =
             TraceMethod::of(self.traversal).map_or_else(|| TraceMethod::all().collect(), |way| vec![way]);
@@ -145,7 +145,6 @@ impl Options {
     }
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     terminal::warn_of_debug_build("rays SCENE");
     let out = Printer { json: options.json };
@@ -217,5 +216,5 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let warning = warning(&report.results);
     report.reliable = warning.is_none() && !cfg!(debug_assertions);
     warning.iter().for_each(|sentence| terminal::warn(sentence));
-    out.end(&report)
+    out.end(&report, report.has_failed())
 }

@@ -2,15 +2,13 @@
 
 use super::checkpoint::CheckpointWriter;
 use super::error::{CliError, INTERRUPTED, refuse};
-use super::groups::warn_of_lost_hierarchy;
 use super::interrupt;
 use super::jobs::{Job, RenderOptions, jobs, keep_files, refuse_shard};
 use super::limits::Limits;
 use super::memory;
+use super::options::warn_of_lost_hierarchy;
 use super::outputs::is_same;
-use super::picture::of_view;
 use super::progress::Progress;
-use super::samples_map;
 use super::scenes;
 use super::terminal::{self, Printer};
 use super::trace::{Traced, trace};
@@ -18,7 +16,7 @@ use crate::adaptive::ErrorEstimate;
 use crate::camera::Tile;
 use crate::checkpoint::{self, Header, Identity, Shard};
 use crate::diagnosis;
-use crate::film::Film;
+use crate::film::{Film, Picture};
 use crate::measure::stats::FrameStats;
 use crate::output::{self, Format, OutputError};
 use crate::render::{Renderer, Settings};
@@ -26,19 +24,19 @@ use crate::report::numbers::mrays_per_s;
 use crate::report::render::{End, EstimatedError, Report};
 use crate::report::settings::RunSettings;
 use crate::report::stats;
-use crate::scene::{Camera, Loaded, Scene};
+use crate::scene::{Camera, Loaded, Scene, srgb_to_linear};
 use crate::tone::Tone;
 use crate::wording::counted;
+use std::path::Path;
 use std::process::ExitCode;
 
-/// Runs the command.
 pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     // Outputs are checked before hours of rendering.
     let jobs = jobs(&options)?;
     let scene = scenes::load_with_warnings(&options.scene, false)?;
     keep_files(&jobs, &scene.files)?;
     let cameras = cameras(&options, &jobs, &scene)?;
-    let limits = options.limits.limits(of_view(&scene).samples)?;
+    let limits = options.limits.limits(scenes::of_view(&scene).samples)?;
     // Options alone get the warning: a view's are for files of any format.
     let is_displayed = options.picture.exposure.is_some() || options.picture.tone.is_some();
     if Format::of(&options.output).is_ok_and(Format::is_linear) && is_displayed {
@@ -83,7 +81,8 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The camera of each job: the scene's, or that of its frame. All are checked before the first is rendered.
+/// Returns the camera of each job: the scene's, or that of its frame. All are checked before the first is
+/// rendered.
 fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<Camera>, CliError> {
     let Some(frames) = options.frames.clone() else { return Ok(vec![scene.camera]) };
     let refuse = |why: String| refuse("--frames", format!("{}..{}", frames.start(), frames.end()), why);
@@ -110,7 +109,7 @@ fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<
     jobs.iter().filter_map(|job| job.frame).map(camera).collect()
 }
 
-/// What all jobs share.
+/// The settings that all jobs share.
 struct Rendering {
     options: RenderOptions,
     limits: Limits,
@@ -122,8 +121,8 @@ struct Rendering {
 }
 
 impl Rendering {
-    /// Renders a film, writes its files, and tells of it: of the `first` one, what is odd. What is prepared
-    /// is dropped after the `last` one.
+    /// Renders a film, writes its files and prints its report; of the `first` one, prints warnings. Drops
+    /// what is prepared after the `last` one.
     fn run(
         &self,
         job: &Job,
@@ -179,12 +178,12 @@ impl Rendering {
         saved?;
         odd.iter().for_each(|odd| terminal::warn(&format!("{odd}.")));
         self.tell(&report, begun)?;
-        // The picture is there; what cannot be is a later run that goes on from here.
+        // The picture is written; without a checkpoint, no later run can continue it.
         kept?;
         Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
     }
 
-    /// What checkpoints say of this film.
+    /// Returns the header of this film's checkpoints.
     fn header(&self, job: &Job, scene: &Scene, renderer: &Renderer) -> Header {
         Header {
             name: scene.name.clone(),
@@ -204,7 +203,7 @@ impl Rendering {
 
     fn save_picture(&self, job: &Job, film: Film) -> Result<(), OutputError> {
         if let Some(file) = &job.samples_map {
-            samples_map::save(file, &film)?;
+            save_samples_map(file, &film)?;
         }
         let picture = film.picture();
         // Frees memory for the encoder.
@@ -224,7 +223,7 @@ impl Rendering {
         if let Some(taken) = &report.stats {
             out.text(&(stats::frames("stage", &[taken]) + &stats::meaning_of_frames()))?;
         }
-        out.report(report)
+        out.end(report, false).map(drop)
     }
 
     fn report(&self, job: &Job, film: &Film, traced: &Traced, scene: &Scene, renderer: &Renderer) -> Report {
@@ -265,5 +264,24 @@ impl Rendering {
             interrupted: traced.end == End::Interrupt,
             stats: options.stats.then(stats),
         }
+    }
+}
+
+/// Writes a picture of the number of samples of each pixel; fails and leaves no file after a second Ctrl-C.
+fn save_samples_map(file: &Path, film: &Film) -> Result<(), OutputError> {
+    let mut counts = film.counts();
+    if !Format::of(file)?.is_linear() {
+        shade(&mut counts, film.most_samples());
+    }
+    output::save_unless(file, &counts, &Tone::default(), &interrupt::insisted)
+}
+
+/// Replaces counts by shades: equal factors are equal steps to the eye, from black for 0 and 1 to white for
+/// `most`.
+fn shade(counts: &mut Picture, most: u32) {
+    let whole = f64::from(most.max(2)).ln();
+    for pixel in &mut counts.pixels {
+        let shown = f64::from(pixel[0].max(1.0)).ln() / whole;
+        *pixel = [srgb_to_linear(shown) as f32; 3];
     }
 }

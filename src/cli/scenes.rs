@@ -2,9 +2,8 @@
 
 use super::error::CliError;
 use super::numbers::{clamp, exposure, samples};
-use super::picture::of_view;
 use super::terminal;
-use crate::scene::{self, Loaded, view_fault};
+use crate::scene::{self, Loaded, Rendering, view_fault};
 use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 
@@ -42,7 +41,7 @@ pub fn load_with_warnings(name: &OsStr, unrounded: bool) -> Result<Loaded, CliEr
     Ok(scene)
 }
 
-/// The names given, or those of `built_in` scenes if none is given.
+/// Returns the names given, or those of `built_in` scenes if none is given.
 ///
 /// Several scenes are all loaded once here and dropped, so that a fault in the last one shows before the
 /// others take their time, and only one is in memory at a time.
@@ -56,10 +55,15 @@ pub fn checked(
     Ok(or_built_in(names, built_in))
 }
 
-/// The names given, or those of `built_in` scenes if none is given.
+/// Returns the names given, or those of `built_in` scenes if none is given.
 pub fn or_built_in(names: &[OsString], built_in: impl Iterator<Item = &'static str>) -> Vec<OsString> {
     match names {
         [] => built_in.map(|name| format!("builtin:{name}").into()).collect(),
         some => some.to_vec(),
     }
+}
+
+/// Returns the options in the view that the scene was loaded through, if it was loaded through one.
+pub fn of_view(scene: &Loaded) -> Rendering {
+    scene.view.as_ref().map(|view| view.render).unwrap_or_default()
 }

@@ -48,7 +48,6 @@ pub struct Options {
     only: Vec<String>,
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if let Some(folder) = &options.output {
         output::make_folder(folder)?;
@@ -78,7 +77,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if let Some(folder) = &options.output {
         out.text(&format!("\nCharts and {JSON} are in {}.\n", folder.display()))?;
     }
-    out.end(&report)
+    out.end(&report, report.has_failed())
 }
 
 fn write(folder: &Path, report: &Report) -> Result<(), CliError> {

@@ -18,13 +18,13 @@ const CHUNK: Duration = Duration::from_millis(100);
 /// samples. A chunk that takes longer stops between tiles.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// What a tracing took.
+/// The result of [`trace`].
 pub struct Traced {
     pub time: Duration,
     pub end: End,
     /// Mean samples of the film before.
     pub resumed_samples: f64,
-    /// Without those that the film had before.
+    /// Rays of this run, without those that the film had before.
     pub rays: u64,
     /// The samples that each tile was to have at the end of the last round, by tile number.
     pub goals: Vec<u32>,
@@ -60,7 +60,7 @@ pub fn trace(
     Traced { time: start.elapsed(), end, resumed_samples, rays: film.rays() - resumed_rays, goals }
 }
 
-/// The next round, or what is left of one with these goals; `None` at the end.
+/// Returns the next round, or what is left of one with these goals; `None` at the end.
 fn next_round(film: &Film, limits: &Limits, goals: &[u32]) -> Option<Round> {
     match &limits.target {
         // The film of an unfinished round must not decide: with other samples, it would decide otherwise.
@@ -158,7 +158,7 @@ struct Chunk<'a> {
 }
 
 impl Chunk<'_> {
-    /// By the user or the deadline, for good.
+    /// Tests whether the user or the deadline ends the rendering.
     fn is_stopped(&self) -> bool {
         let interrupted = interrupt::requested() && self.began.elapsed() >= GRACE;
         interrupted || self.late.is_some_and(|late| Instant::now() >= late)
@@ -179,8 +179,8 @@ impl RenderObserver for Chunk<'_> {
     }
 }
 
-/// Samples per pixel of the next chunk: as many as should take [`CHUNK`] at the speed of the last one, and at
-/// most four times as many as in the last one, because short times are measured poorly.
+/// Returns the samples per pixel of the next chunk: as many as should take [`CHUNK`] at the speed of the last
+/// one, and at most four times as many as in the last one, because short times are measured poorly.
 fn next_chunk(last: u32, took: Duration) -> u32 {
     let fitting = f64::from(last) * CHUNK.as_secs_f64() / took.as_secs_f64().max(1e-9);
     (fitting as u32).clamp(1, last.saturating_mul(4))
@@ -190,40 +190,21 @@ fn next_chunk(last: u32, took: Duration) -> u32 {
 mod tests {
     use super::*;
     use crate::render::Settings;
-    use crate::scene;
-
-    #[test]
-    fn next_chunk_aims_at_its_time_and_grows_slowly() {
-        assert_eq!(next_chunk(10, CHUNK), 10);
-        assert_eq!(next_chunk(10, CHUNK * 2), 5);
-        assert_eq!(next_chunk(10, CHUNK / 2), 20);
-        assert_eq!(next_chunk(10, CHUNK / 100), 40);
-        assert_eq!(next_chunk(1, CHUNK * 100), 1);
-        assert_eq!(next_chunk(10, Duration::ZERO), 40);
-        assert_eq!(next_chunk(u32::MAX, Duration::ZERO), u32::MAX);
-    }
-
-    /// Traces a film whose tiles have `had(number)` samples.
-    fn traced(had: fn(usize) -> u32, limits: Limits) -> (Film, Traced) {
-        let scene = scene::load("builtin:three").unwrap();
-        let settings = Settings { resolution: [40, 24], max_bounces: 1, ..Settings::of(&scene) };
-        let renderer = Renderer::new(&scene, settings);
-        let mut film = renderer.film_with_noise();
-        renderer.sample_tiles_to(&mut film, |tile, _| had(tile), &());
-        let progress = Progress::new(film.pixels(), film.pixel_samples(), limits.time);
-        let traced = trace(&renderer, &mut film, &limits, None, &progress);
-        (film, traced)
-    }
 
     /// All pixels have equal samples, unless a busy machine held the last chunk up for longer than its grace.
     #[test]
     fn trace_evens_out_what_it_resumes() {
+        let scene = crate::scene::load("builtin:three").unwrap();
+        let settings = Settings { resolution: [40, 24], max_bounces: 1, ..Settings::of(&scene) };
+        let renderer = Renderer::new(&scene, settings);
+        let mut film = renderer.film_with_noise();
+        renderer.sample_tiles_to(&mut film, |tile, _| tile as u32 % 4, &());
         let time = Duration::from_millis(200);
         let limits = Limits { samples: 1 << 24, target: None, time: Some(time) };
-        let (film, traced) = traced(|tile| tile as u32 % 4, limits);
+        let progress = Progress::new(film.pixels(), film.pixel_samples(), limits.time);
+        let traced = trace(&renderer, &mut film, &limits, None, &progress);
         assert_eq!(traced.end, End::TimeLimit);
         let (least, most, took) = (film.samples(), film.most_samples(), traced.time);
-        assert!(least == most || took >= time + GRACE, "{least} to {most} samples in {took:?}");
-        assert!(most > 3 || took >= time + GRACE, "{most} samples in {took:?}");
+        assert!((least == most && most > 3) || took >= time + GRACE, "{least} to {most} samples in {took:?}");
     }
 }

@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::memory;
 use super::numbers::whole;
-use super::picture::PictureOptions;
+use super::options::PictureOptions;
 use super::scenes;
 use super::terminal::{self, Printer};
 use crate::machine::{self, Machine};
@@ -72,7 +72,7 @@ fn after_help() -> String {
     format!("Keys:\n{}\n\n{examples}", keys.join("\n"))
 }
 
-/// What brings a window, in a sentence without its end.
+/// Says how to open a window, without the end of the sentence.
 const FOR_A_WINDOW: &str = if cfg!(feature = "window") {
     "without --terminal it opens a window; to write a picture into a file, use octray render"
 } else {
@@ -80,8 +80,8 @@ const FOR_A_WINDOW: &str = if cfg!(feature = "window") {
 };
 
 impl Options {
-    /// The viewer's options. Seed, tone and pipeline are those of its first scene; methods are those of each
-    /// scene.
+    /// Returns the viewer's options. Seed, tone and pipeline are those of its first scene; methods are those
+    /// of each scene.
     fn viewer(&self, first: &Loaded) -> viewer::Options {
         let picture = self.picture;
         let Settings { seed, pipeline, clamp, threads, .. } = picture.settings(first);
@@ -104,7 +104,6 @@ impl Options {
     }
 }
 
-/// The JSON report.
 #[derive(Debug, Serialize)]
 struct Report {
     schema: &'static str,
@@ -132,7 +131,8 @@ struct Report {
 }
 
 impl Report {
-    /// `presented`: the frames that a window enlarged and presented, and the time that took.
+    /// Builds the report. `presented` has the number of frames that a window enlarged and presented, and the
+    /// time that took.
     fn of(summary: &Summary, presented: Option<(u64, Duration)>) -> Self {
         let elapsed = summary.elapsed.as_secs_f64().max(1e-9);
         let frames = summary.frames.max(1) as f64;
@@ -168,7 +168,6 @@ impl Report {
     }
 }
 
-/// Runs the command.
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let refuse = |what: &str, mend: &str| Err(CliError::Input(format!("{what}\n  {mend}")));
     let names = scenes::or_built_in(&options.scenes, builtin_names());
@@ -211,11 +210,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         }
     };
     let out = Printer { json: options.json };
-    out.report(&report)?;
     if options.frames.is_some() {
         out.text(&report.line())?;
     }
-    Ok(ExitCode::SUCCESS)
+    out.end(&report, false)
 }
 
 #[cfg(test)]
@@ -225,29 +223,18 @@ mod tests {
     use crate::scene::{Rendering, View, load_with_view};
     use clap::Parser;
 
-    fn viewer(options: &[&str], first: &Loaded) -> viewer::Options {
-        Options::parse_from(["view"].iter().chain(options)).viewer(first)
-    }
-
     #[test]
     fn every_view_has_its_own_methods_unless_an_option_overrides_them() {
         let plain = load_with_view("builtin:cornell").unwrap();
         let render = Rendering { triangle: Some(TriangleChoice::MollerTrumbore), ..Rendering::default() };
         let view = View { render, ..View::of(&plain, None, Path::new("")) };
         let later = Loaded { view: Some(view), ..plain.clone() };
-        let triangle = |options: &[&str], scene| (viewer(options, &plain).methods)(scene).triangle;
-        assert_eq!(triangle(&[], &plain), TriangleChoice::Woop);
-        assert_eq!(triangle(&[], &later), TriangleChoice::MollerTrumbore);
-        assert_eq!(triangle(&["--triangle", "woop"], &later), TriangleChoice::Woop);
-    }
-
-    #[test]
-    fn later_scenes_are_checked_against_memory() {
-        let options = viewer(&[], &load_with_view("builtin:cornell").unwrap());
-        assert_eq!((options.fits)([16, 9]), Ok(()));
-        if machine::available_memory().is_some() {
-            let refused = (options.fits)([1 << 20, 1 << 20]).unwrap_err();
-            assert!(refused.contains("of memory") && refused.contains("--size"), "{refused}");
-        }
+        let triangle = |line: &str, scene| {
+            let options = Options::parse_from(line.split(' ')).viewer(&plain);
+            (options.methods)(scene).triangle.name()
+        };
+        let found =
+            [triangle("view", &plain), triangle("view", &later), triangle("view --triangle woop", &later)];
+        assert_eq!(found, ["woop", "moller-trumbore", "woop"]);
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The origin of a figure: figures are comparable only if their machines are equal.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// The processor's model name.
     pub cpu: String,
@@ -50,18 +50,18 @@ impl fmt::Display for Machine {
     }
 }
 
-/// Hardware threads available to this process: at least 1.
+/// Returns the number of hardware threads available to this process: at least 1.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Bytes available without swapping, by the system's own estimate; `None` on systems other than Linux, where
-/// there is no query.
+/// Returns the bytes available without swapping, by the system's own estimate; `None` on systems other than
+/// Linux, where there is no query.
 pub fn available_memory() -> Option<u64> {
     mem_available(&std::fs::read_to_string("/proc/meminfo").ok()?)
 }
 
-/// `MemAvailable` in the text of `/proc/meminfo`, which counts in KiB.
+/// Reads `MemAvailable` in the text of `/proc/meminfo`, which counts in KiB.
 fn mem_available(info: &str) -> Option<u64> {
     let line = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     line.trim().strip_suffix(" kB")?.parse::<u64>().ok()?.checked_mul(1024)
@@ -87,17 +87,5 @@ mod tests {
         assert_eq!(mem_available("MemAvailable: many kB\n"), None);
         #[cfg(target_os = "linux")]
         assert!(available_memory().unwrap() > 1_000_000);
-    }
-
-    #[test]
-    fn machine_serialises_with_every_field_filled() {
-        let json = serde_json::to_value(Machine::current()).unwrap();
-        assert!(json["cores"].as_u64().unwrap() >= 1);
-        assert!(json["rustc"].as_str().unwrap().starts_with("rustc "));
-        assert!(json["flags"].as_str().unwrap().starts_with("--profile "));
-        assert_eq!(serde_json::from_value::<Machine>(json.clone()).unwrap(), Machine::current());
-        assert!(!json["cpu"].as_str().unwrap().is_empty());
-        assert!(!json["commit"].as_str().unwrap().is_empty());
-        assert!(json["target_features"].is_array());
     }
 }

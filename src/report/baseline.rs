@@ -8,11 +8,11 @@ use crate::measure::timed::Ratio;
 use serde::Deserialize;
 use serde_json::Value;
 
-/// What is read of a report.
+/// The part of an earlier report that is compared.
 #[derive(Debug, Deserialize)]
 pub struct Baseline {
     schema: String,
-    /// As they stand there, because other versions have other settings.
+    /// As JSON, because other versions have other settings.
     pub settings: Value,
     reliable: bool,
     scenes: Vec<MeasuredScene>,
@@ -25,7 +25,7 @@ struct Speed {
     threads: usize,
     fps_median: f64,
     fps_spread: [f64; 2],
-    /// Earlier reports do not say.
+    /// The default where an early version reports none.
     #[serde(flatten)]
     reliability: Reliability,
 }
@@ -37,7 +37,7 @@ impl Speed {
 }
 
 impl Baseline {
-    /// Reads a report; otherwise the reason why it is none.
+    /// Reads a report. The error says why `text` is none.
     pub fn read(text: &str) -> Result<Self, String> {
         let again = "make one with octray bench --json";
         let report: Self = serde_json::from_str(text)
@@ -48,7 +48,7 @@ impl Baseline {
         }
     }
 
-    /// The speeds of a scene: the one with the same content, or else the same name.
+    /// Returns the speeds of the scene with the same content, or else with the same name.
     fn speeds(&self, scene: &MeasuredScene) -> Option<(&MeasuredScene, &[Speed])> {
         let engines = (self.results.len() / self.scenes.len().max(1)).max(1);
         let all = || self.scenes.iter().zip(self.results.chunks(engines));
@@ -56,8 +56,8 @@ impl Baseline {
         same.or_else(|| all().find(|(old, _)| old.scene == scene.scene))
     }
 
-    /// Adds to a report its ratios to this one, and what the two do not share. An engine is compared with one
-    /// of the same width and threads; where none has its like, the first with the first.
+    /// Adds to `report` its ratios to this one, and the settings in which the two differ. An engine is compared
+    /// with that of the same width and number of threads; if there are no such pairs, the first with the first.
     pub fn compare(&self, report: &mut Report) {
         let mut found = differences(&json(&report.settings), &self.settings);
         let mut ratios = Vec::new();
@@ -70,20 +70,13 @@ impl Baseline {
             if pairs.is_empty() {
                 pairs.extend(results.first().zip(olds.first()));
             }
-            ratios.extend(pairs.into_iter().map(|(new, old)| Over {
-                scene: scene.scene.clone(),
-                lanes: new.lanes,
-                threads: new.threads,
-                there: old.engine(),
-                ratio: Ratio {
-                    median: new.fps_median / old.fps_median,
-                    spread: [new.fps_spread[0] / old.fps_spread[1], new.fps_spread[1] / old.fps_spread[0]],
-                    rounds: 1,
-                    reliability: Reliability {
-                        reliable: new.reliability.reliable && self.reliable,
-                        ..new.reliability
-                    },
-                },
+            ratios.extend(pairs.into_iter().map(|(new, old)| {
+                let reliable = new.reliability.reliable && self.reliable;
+                let reliability = Reliability { reliable, ..new.reliability };
+                let rates = [(new.fps_median, new.fps_spread), (old.fps_median, old.fps_spread)];
+                let (scene, there) = (scene.scene.clone(), old.engine());
+                let ratio = new_over_old(rates, reliability);
+                Over { scene, lanes: new.lanes, threads: new.threads, there, ratio }
             }));
         }
         report.over_baseline = Some(ratios);
@@ -91,22 +84,33 @@ impl Baseline {
     }
 }
 
-/// The ratios of a report as a table.
+/// Returns the ratios of a report as a table.
 pub fn text(report: &Report) -> String {
     let (Some(ratios), Some(differences)) = (&report.over_baseline, &report.baseline_differences) else {
         return String::new();
     };
-    let none = if ratios.is_empty() { " The baseline has none of these scenes." } else { "" };
-    let meaning = format!(
-        "New over old, frames per second: of the median frames, and in brackets from the slow tenth of the new \
-         over the fast tenth of the old to the reverse.{none} {}",
-        in_words(differences)
-    );
-    table(&meaning, ratios)
+    let none = if ratios.is_empty() { "The baseline has none of these scenes. " } else { "" };
+    table(&(meaning("frames", "frames") + none + &in_words(differences)), ratios)
 }
 
-/// The ratios of a program to another one on a scene, of rounds in which each made a report: of the engines
-/// that both have timed.
+/// Returns the ratio of two rates, the new one first, each with its slow and its fast tenth.
+pub fn new_over_old(
+    [(new, [slow, fast]), (old, [old_slow, old_fast])]: [(f64, [f64; 2]); 2],
+    reliability: Reliability,
+) -> Ratio {
+    Ratio { median: new / old, spread: [slow / old_fast, fast / old_slow], rounds: 1, reliability }
+}
+
+/// Returns what ratios of [`new_over_old`] mean: of `what` per second, each the median of several `turns`.
+pub fn meaning(what: &str, turns: &str) -> String {
+    format!(
+        "New over old, {what} per second: of the median {turns}, and in brackets from the slow tenth of the new over \
+         the fast tenth of the old to the reverse. "
+    )
+}
+
+/// Returns the ratios of one program to another on a scene, for the engines that both have timed. Each program
+/// has made a report in each round.
 pub fn over_rounds(scene: &str, [here, there]: &[Vec<Baseline>; 2]) -> Vec<Over> {
     let over = |first: &Speed| {
         let of = |reports: &[Baseline]| {

@@ -1,4 +1,4 @@
-//! What `octray chart` reports: JSON, a table of every scene, warnings about the figures; and its drawings.
+//! The report of `octray chart`: JSON, a table of every scene, warnings about the figures; and its drawings.
 
 use super::chart_drawings::of_scene;
 use super::chart_kernels::intersection;
@@ -16,16 +16,12 @@ use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::path::Path;
 
-/// All figures of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Chart {
-    /// [`SCHEMA`].
     pub schema: &'static str,
-    /// How it was measured.
     pub settings: RunSettings,
     /// Seconds allowed, for all scenes together.
     pub budget_s: f64,
-    /// Seconds taken.
     pub seconds: f64,
     /// Number of seeds behind every median of `pictures`.
     pub seeds: u32,
@@ -35,16 +31,15 @@ pub struct Chart {
     pub scenes: Vec<SceneChart>,
 }
 
-/// Name and version of the JSON report's form.
 pub const SCHEMA: &str = "octray-chart-1";
 
-/// All drawings of a chart.
+/// Returns all drawings of a chart.
 pub(crate) fn drawings(chart: &Chart) -> Vec<Drawing> {
     let of_scenes = chart.scenes.iter().flat_map(|scene| of_scene(scene, chart.seeds));
     intersection(&chart.kernels).into_iter().chain(of_scenes).collect()
 }
 
-/// The verdict on a configuration, in a word or two; none on what cannot be told apart.
+/// Returns the verdict on a configuration, in a word or two; "unreliable" where it cannot be compared.
 pub(crate) fn verdict(line: &pictures::Line) -> &'static str {
     let Spread { p10, p90, .. } = line.time_to_equal_error;
     match line {
@@ -59,7 +54,7 @@ pub(crate) fn verdict(line: &pictures::Line) -> &'static str {
     }
 }
 
-/// The time to equal error, with a ? where it is not reliable.
+/// Returns the time to equal error, with a ? where it is not reliable.
 pub(crate) fn equal_error(line: &pictures::Line) -> String {
     times(line.time_to_equal_error.median) + mark(line.reliability)
 }
@@ -67,7 +62,7 @@ pub(crate) fn equal_error(line: &pictures::Line) -> String {
 /// A run that takes longer than this many budgets gets a warning.
 const MOST_OVER: f64 = 1.1;
 
-/// Why the figures may be unreliable.
+/// Returns warnings about figures that may be unreliable.
 pub(crate) fn warnings(chart: &Chart) -> Vec<String> {
     let mut warnings = Vec::new();
     let (took, budget) = (chart.seconds, chart.budget_s);
@@ -92,10 +87,9 @@ pub(crate) fn warnings(chart: &Chart) -> Vec<String> {
     warnings
 }
 
-/// The widths of the table's columns.
 const WIDTHS: [isize; 6] = [-24, 12, 12, 12, 14, 0];
 
-/// The figures of a chart whose files are in `folder`.
+/// Returns the figures of a chart whose files are in `folder`.
 pub(crate) fn text(chart: &Chart, defaults: &RunSettings, folder: &Path) -> String {
     let mut text = format!("{}\n{}", chart.settings.machine, chart.settings.line(defaults));
     for scene in &chart.scenes {

@@ -1,6 +1,5 @@
-//! What `octray compare` reports, as a table or as JSON.
+//! The report of `octray compare`, as a table or as JSON.
 
-use super::Checked;
 use super::numbers::ratio;
 use super::settings::{RunSettings, traversals};
 use super::text;
@@ -9,36 +8,21 @@ use crate::measure::compare::Comparison;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
 
-/// The JSON report.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Report {
-    /// Name and version of the report's form.
     pub schema: &'static str,
-    /// How the pictures were made.
     pub settings: RunSettings,
-    /// Whether nothing tells of a busy machine or of a debug build.
+    /// Whether neither a busy machine nor a debug build makes the figures unreliable.
     pub reliable: bool,
-    /// One a scene.
     pub results: Vec<Comparison>,
-    /// Whether a comparison failed, by the methods of its scene.
-    #[serde(skip)]
-    pub failed: bool,
-}
-
-impl Checked for Report {
-    fn has_failed(&self) -> bool {
-        self.failed
-    }
 }
 
 /// The JSON report of `--hash`.
 #[derive(Debug, Serialize)]
 pub struct HashReport {
-    /// Name and version of the report's form.
     pub schema: &'static str,
     /// Whether this build has fused multiply-add.
     pub fused: bool,
-    /// One a scene.
     pub results: Vec<FilmHash>,
 }
 
@@ -51,21 +35,19 @@ impl Default for HashReport {
 /// The hash of a scene's film: see [`crate::film::Picture::hash`].
 #[derive(Debug, Serialize)]
 pub struct FilmHash {
-    /// Its name.
     pub scene: String,
     /// 16 hexadecimal digits.
     pub hash: String,
 }
 
-/// A scene's hash and which builds have the same.
+/// Returns a scene's hash, and whether the build has fused multiply-add.
 pub fn hash_row(FilmHash { scene, hash }: &FilmHash) -> String {
     format!("{hash}  {}  {scene}\n", if FUSED { "fused" } else { "plain" })
 }
 
-/// The widths of the table's columns.
 const WIDTHS: [isize; 8] = [-24, 11, 11, 11, 23, 12, 12, 12];
 
-/// What stands above the rows of scenes.
+/// Returns the lines above the rows of scenes.
 pub fn heading(report: &Report, defaults: &RunSettings) -> String {
     let names = text::row(
         &WIDTHS,
@@ -74,7 +56,7 @@ pub fn heading(report: &Report, defaults: &RunSettings) -> String {
     report.settings.line(defaults) + &names
 }
 
-/// A scene's row, and below it what is odd about the scene.
+/// Returns a scene's row, and below it what is wrong with the scene.
 pub fn row(result: &Comparison) -> String {
     let Comparison { scene, pixels, samples, mismatched_pixels, first_mismatch, reference, .. } = result;
     let cells = [
@@ -101,24 +83,31 @@ pub fn row(result: &Comparison) -> String {
     row
 }
 
-/// The warning of a busy machine.
+/// Returns the warning of a busy machine.
 pub fn doubt(results: &[Comparison]) -> Option<String> {
     text::busy(results.iter().filter_map(|result| Some((result.speedup?.reliability, result.scene.clone()))))
 }
 
-/// The table in words.
+/// Explains the table.
 pub fn meaning(report: &Report) -> String {
-    let differ = report.results.iter().any(|result| result.mismatched_pixels > 0);
-    let wrong: usize = report.results.iter().map(|result| result.reference.mismatched_hits).sum();
-    let right = match wrong {
-        0 => "Every compared primary hit is right".to_string(),
-        _ => counted(wrong, "primary hit is", "primary hits are") + " WRONG by the f64 reference",
-    };
-    let same = match differ {
-        false => "Pictures of 1, 8 and 16 lanes are the same, bit by bit",
-        true => "SIMD and scalar DIFFER: a bug in octray, please report it with the scene",
-    };
     let scenes = report.results.iter().map(|result| (result.scene.as_str(), result.traversal));
-    let doubt = text::if_doubtful(report.reliable, "speed-ups");
-    format!("\n{}{same}.\n{right}.{doubt}\n", traversals(scenes))
+    let doubt = if report.reliable { "" } else { "The speed-ups are not reliable: see the warnings.\n" };
+    agreement(&report.results) + &traversals(scenes) + doubt
+}
+
+/// Says in two lines whether the pictures of all widths are equal, and whether primary hits are right.
+pub fn agreement(comparisons: &[Comparison]) -> String {
+    let sum = |of: fn(&Comparison) -> usize| comparisons.iter().map(of).sum::<usize>();
+    let same = match sum(|one| one.mismatched_pixels) {
+        0 => "The pictures of all widths are the same, bit by bit.".into(),
+        pixels => {
+            let differ = counted(pixels, "PIXEL DIFFERS", "PIXELS DIFFER");
+            format!("{differ} between SIMD and scalar: a bug in octray, please report it with the scene.")
+        }
+    };
+    let right = match sum(|one| one.reference.mismatched_hits) {
+        0 => "Every compared primary hit is right by the f64 reference.".into(),
+        hits => counted(hits, "PRIMARY HIT IS", "PRIMARY HITS ARE") + " WRONG by the f64 reference.",
+    };
+    format!("\n{same}\n{right}\n")
 }

@@ -28,13 +28,13 @@ pub struct Column {
 const ROW: i32 = 52;
 /// Between columns.
 const GAP: i32 = 40;
-/// From a dot's middle to its text, and from an axis to the dot at its lower end.
+/// Distance from a dot's middle to its text, and from an axis to the dot at its lower end.
 const ASIDE: i32 = 20;
 /// Most ticks of an axis.
 const TICKS: usize = 3;
 
 impl DotTable {
-    /// The drawing as the text of an SVG file.
+    /// Returns the drawing as the text of an SVG file.
     pub fn svg(&self) -> String {
         svg(&self.title, &self.notes, |top, parts| {
             let class = |default: bool| if default { "strong words" } else { "words" };
@@ -67,7 +67,7 @@ impl DotTable {
                 for (row, value, words) in values {
                     let (at, default) = ([scale.at(value), middle(row)], self.rows[row].1);
                     parts.push(marks(if default { "main" } else { "remark" }, 0, &[at]));
-                    // Its text stands where there is more room.
+                    // The text goes to the side with more room.
                     let (aside, anchor) =
                         if at[0] < left + wide / 2 { (ASIDE, "start") } else { (-ASIDE, "end") };
                     parts.push(text([at[0] + aside, at[1]], anchor, class(default), words));

@@ -1,4 +1,4 @@
-//! What all drawings share: colours for light and dark pages, marks, title and notes.
+//! The parts that all drawings share: colours for light and dark pages, marks, title and notes.
 
 use maud::{Markup, PreEscaped, html};
 use textwrap::wrap;
@@ -6,13 +6,13 @@ use textwrap::wrap;
 /// A drawing as the text of an SVG file.
 #[derive(Clone, Debug)]
 pub struct Drawing {
-    /// Of its file, without folder and extension.
+    /// File name, without folder and extension.
     pub name: String,
-    /// Without a fixed size on the page.
+    /// SVG text, without a fixed size on the page.
     pub svg: String,
 }
 
-/// A scene's name as part of a file name: letters and digits, and hyphens for all else.
+/// Returns a scene's name as part of a file name: letters and digits, and hyphens for all else.
 pub fn file_name(scene: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let name: String = scene.strip_prefix("builtin:").unwrap_or(scene).chars().map(plain).collect();
@@ -23,7 +23,7 @@ pub fn file_name(scene: &str) -> String {
 /// Width of every drawing in its units. It is shown at about half of it.
 pub(super) const WIDTH: i32 = 1_600;
 pub(super) const MARGIN: i32 = 24;
-/// From one line of text to the next.
+/// Height of a line of text.
 pub(super) const LINE: i32 = 34;
 /// Sizes of letters.
 const TITLE: i32 = 34;
@@ -67,36 +67,36 @@ const MARKS: [&str; 4] = [
     "m0 -10l10 10l-10 10l-10 -10z",
 ];
 
-/// The class of a numbered line's colour. Twenty differ by it or by their marks.
+/// Returns the class of a numbered line's colour. Twenty differ by it or by their marks.
 pub(super) fn line_class(number: usize) -> String {
     format!("line-{}", number % LINES.len())
 }
 
-/// The mark of a number around each of these points.
+/// Returns the mark of a number around each of these points.
 pub(super) fn marks(class: &str, number: usize, points: &[[i32; 2]]) -> Markup {
     let shape = MARKS[number % MARKS.len()];
     let path: String = points.iter().map(|[x, y]| format!("M{x} {y}{shape}")).collect();
     html! { path class={ (class) " mark" } d=(path) {} }
 }
 
-/// Points as an attribute has them.
+/// Formats points as an SVG attribute.
 pub(super) fn path(points: &[[i32; 2]]) -> String {
     points.iter().map(|[x, y]| format!("{x},{y} ")).collect()
 }
 
-/// A line of a grid or an axis.
+/// Returns a line of a grid or an axis.
 pub(super) fn stroke(class: &str, width: i32, points: &[[i32; 2]]) -> Markup {
     html! { polyline class={ (class) " stroke" } stroke-width=(width) points=(path(points)) {} }
 }
 
-/// One line of text; `y` is the middle of its height, `anchor` the part of it that stands at `x`.
+/// Draws one line of text; `y` is the middle of its height, `anchor` the part of it at `x`.
 pub(super) fn text([x, y]: [i32; 2], anchor: &str, class: &str, words: &str) -> Markup {
     let size = if class.starts_with("title") { TITLE } else { TEXT };
     html! { text x=(x) y=(y) dy="0.35em" text-anchor=(anchor) font-size=(size) class=(class) { (words) } }
 }
 
-/// The text of an SVG file with title and notes, a paragraph each. `draw` adds what stands below a height,
-/// and gives the height at which that ends.
+/// Returns the text of an SVG file with title and notes, a paragraph each. `draw` adds what stands below a
+/// height, and gives the height at which that ends.
 pub(super) fn svg(title: &str, notes: &[String], draw: impl FnOnce(i32, &mut Vec<Markup>) -> i32) -> String {
     let mut y = MARGIN + TITLE / 2;
     let mut parts = Vec::new();
@@ -145,23 +145,6 @@ fn style() -> String {
 mod tests {
     use super::*;
     use crate::scene::srgb_to_linear;
-
-    #[test]
-    fn file_names_hold_only_letters_digits_and_hyphens() {
-        assert_eq!(file_name("builtin:cornell-spheres"), "cornell-spheres");
-        assert_eq!(file_name("../My scenes/Kitchen 2.json"), "my-scenes-kitchen-2-json");
-        assert_eq!(file_name("builtin:terrain:2000"), "terrain-2000");
-    }
-
-    #[test]
-    fn drawing_scales_has_a_title_and_colours_for_dark_pages() {
-        let drawn = svg("a < b", &["note ".repeat(40)], |y, _| y);
-        assert!(drawn.starts_with("<svg role=\"img\" viewBox=\"0 0 1600 "), "{drawn}");
-        for part in ["<title>a &lt; b</title>", ".main { color: #0072b2 }", "prefers-color-scheme"] {
-            assert!(drawn.contains(part), "{part} in {drawn}");
-        }
-        assert_eq!(drawn.matches("class=\"remark\"").count(), 2, "{drawn}");
-    }
 
     /// Relative luminance and contrast as WCAG 2 defines them.
     #[test]

@@ -1,7 +1,6 @@
-//! What `octray inspect` reports: what a scene contains and how it is rendered, as text or as JSON.
+//! The report of `octray inspect`: what a scene contains and how it is rendered, as text or as JSON.
 
 use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
-use super::numbers::bytes;
 use super::text::item;
 use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
 use crate::render::features_of;
@@ -10,28 +9,22 @@ use crate::scene::{
 };
 use crate::wording::{counted, grouped};
 use glam::Vec3;
+use indicatif::DecimalBytes;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 use std::fmt::Display;
 
-/// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Inspection {
-    /// Name and version of the report's form.
     schema: &'static str,
-    /// As named on the command line.
     scene: String,
     /// Short name: `builtin:three`, or the name of the file.
     name: String,
-    /// If its file is a view.
     view: Option<ViewReport>,
-    /// Width and height in pixels, where no option says otherwise.
+    /// Width and height in pixels, without an option.
     resolution: [u32; 2],
-    /// Most scattering events of a path.
     max_bounces: u32,
-    /// In the scene.
     spheres: usize,
-    /// In the scene.
     triangles: usize,
     /// Triangles with vertex normals.
     smooth_triangles: usize,
@@ -50,7 +43,7 @@ pub struct Inspection {
     bounds: Option<Bounds>,
     /// Features that the scene's pipeline must have.
     needs: Vec<&'static str>,
-    /// What next event estimation samples.
+    /// The lights that next event estimation samples.
     lights: LightReport,
     /// Bytes of the scene's lists and texels, without buffers and hierarchy.
     memory_bytes: usize,
@@ -58,9 +51,8 @@ pub struct Inspection {
     traversal: TraversalReport,
     /// The default methods that matter to this scene.
     defaults: Vec<DefaultReport>,
-    /// Where rays traverse one.
     hierarchy: Option<HierarchyReport>,
-    /// What the loader warned of, a sentence each.
+    /// The loader's warnings, a sentence each.
     warnings: Vec<String>,
 }
 
@@ -87,9 +79,9 @@ enum SkyReport {
 struct LightReport {
     /// Emissive spheres and triangles.
     emitters: usize,
-    /// Those of them that are sampled.
+    /// Emissive spheres and triangles that are sampled.
     sampled: usize,
-    /// Is the environment map sampled?
+    /// Whether the environment map is sampled.
     sky: bool,
     /// The mean square of the environment map over the square of its mean, over all directions.
     sky_contrast: Option<f64>,
@@ -113,7 +105,7 @@ type Vec3Report = [f32; 3];
 /// A point, in the coordinates of the file.
 type PointReport = [f64; 3];
 
-/// What a view says besides its camera.
+/// The content of a view, except its camera.
 #[derive(Debug, Serialize)]
 struct ViewReport {
     /// The scene, as the view names it.
@@ -166,12 +158,12 @@ impl Inspection {
         }
     }
 
-    /// Is the hierarchy valid, if there is one?
+    /// Tests whether the hierarchy, if there is one, is valid.
     pub fn is_valid(&self) -> bool {
         self.hierarchy.as_ref().is_none_or(HierarchyReport::is_valid)
     }
 
-    /// One line a fact: its name, and the fact; with `why`, the reasons for methods.
+    /// Returns the name and the text of each fact; with `why`, the reasons for methods too.
     fn lines(&self, why: bool) -> Vec<(&'static str, String)> {
         let [width, height] = self.resolution;
         let smooth = match self.smooth_triangles {
@@ -205,7 +197,7 @@ impl Inspection {
         lines.push(("origin", format!("{origin}: coordinates are rounded relative to it{unit}")));
         lines.push(("needs", self.needs.join(", ")));
         lines.push(("lights", self.lights.text()));
-        lines.push(("memory", bytes(self.memory_bytes as u64)));
+        lines.push(("memory", DecimalBytes(self.memory_bytes as u64).to_string()));
         lines.push(("traversal", self.traversal.text()));
         if why {
             lines.push(("why", self.traversal.why()));
@@ -216,7 +208,7 @@ impl Inspection {
         lines
     }
 
-    /// The report for people, with or without the reasons for methods.
+    /// Returns the report for people, with or without the reasons for methods.
     pub fn text(&self, why: bool) -> String {
         self.lines(why).into_iter().map(|(name, value)| item(name, 11, &value)).collect()
     }
@@ -227,7 +219,7 @@ impl ViewReport {
         Self { of: view.scene.clone(), render: view.render }
     }
 
-    /// The scene viewed, and the options as on a command line.
+    /// Returns the scene viewed, and the options as on a command line.
     fn lines(&self) -> Vec<(&'static str, String)> {
         let mut lines = vec![("view of", self.of.clone())];
         // Through text: an f32 in a `Value` would be printed with the digits of an f64.
@@ -259,7 +251,7 @@ fn materials(all: &[Material]) -> Vec<(&'static str, usize)> {
     TYPES.into_iter().chain(TRAITS).map(count).collect()
 }
 
-/// The name of a material type, as in scene files.
+/// Returns the name of a material type, as in scene files.
 pub fn type_of(kind: MaterialKind) -> &'static str {
     match kind {
         MaterialKind::Diffuse => "diffuse",
@@ -304,7 +296,7 @@ impl TextureReport {
 
     fn text(&self) -> String {
         let Self { name, width, height, filter, memory_bytes } = self;
-        format!("{name}: {width}×{height}, {filter}, {}", bytes(*memory_bytes as u64))
+        format!("{name}: {width}×{height}, {filter}, {}", DecimalBytes(*memory_bytes as u64))
     }
 }
 
@@ -366,7 +358,7 @@ impl SkyReport {
     }
 }
 
-/// Bytes of the scene's lists, from which the buffers are built; the buffers are not counted.
+/// Returns the bytes of the scene's lists, from which the buffers are built. The buffers are not counted.
 fn memory(scene: &Scene) -> usize {
     let texels: usize = scene.textures.iter().map(|texture| texture.texels.bytes()).sum();
     texels

@@ -1,7 +1,7 @@
 //! The methods that a scene gets, and why: its traversal, its hierarchy, its defaults. A part of what `octray
 //! inspect` reports.
 
-use super::numbers::{bytes, figure};
+use super::numbers::figure;
 use crate::buffers::Features;
 use crate::bvh::check::Statistics;
 use crate::lane::{F32x8, Lane};
@@ -13,6 +13,7 @@ use crate::render::{Methods, features_of};
 use crate::scene::Scene;
 use crate::traverse::{MAX_LIST_COST, TRIANGLE_COST, list_cost};
 use crate::wording::{counted, grouped};
+use indicatif::DecimalBytes;
 use serde::Serialize;
 
 /// The default traversal, and why.
@@ -44,11 +45,11 @@ pub struct HierarchyReport {
 }
 
 impl TraversalReport {
-    /// What [`Methods::default`] chooses for this scene with 8 lanes.
+    /// Returns the choice of [`Methods::default`] for this scene with 8 lanes.
     pub fn of(scene: &Scene) -> Self {
         let traversal = Methods::default().traversal_name(scene, F32x8::WIDTH);
         Self {
-            // The same for all rays: a traversal itself finds out which rays are coherent.
+            // Both are equal: a traversal itself finds out which rays are coherent.
             primary: traversal,
             bounces: traversal,
             linear_cost: list_cost(scene.spheres.len(), scene.triangles.len()),
@@ -56,7 +57,7 @@ impl TraversalReport {
         }
     }
 
-    /// Do rays traverse a hierarchy?
+    /// Tests whether rays traverse a hierarchy.
     pub fn needs_hierarchy(&self) -> bool {
         self.primary != TraceMethod::Linear.name()
     }
@@ -110,7 +111,7 @@ impl HierarchyReport {
             counted(tree.wide_nodes, "node", "nodes"),
             counted(tree.wide_depth, "level", "levels"),
             counted(tree.leaves, "leaf", "leaves"),
-            bytes(self.bytes as u64),
+            DecimalBytes(self.bytes as u64),
             self.bytes_per_primitive,
             figure(ms, 1),
             counted(threads, "thread", "threads"),
@@ -121,14 +122,14 @@ impl HierarchyReport {
 /// A default, and the reason for it: the figures come from `octray stability` and `octray chart`.
 #[derive(Debug, Serialize)]
 pub struct DefaultReport {
-    /// As the command line has it, without hyphens.
+    /// The option, without hyphens.
     option: &'static str,
     default: &'static str,
     why: &'static str,
 }
 
 impl DefaultReport {
-    /// Those that make a difference to this scene.
+    /// Returns the defaults that make a difference to this scene.
     pub fn all(scene: &Scene) -> Vec<Self> {
         let (spheres, triangles) = (!scene.spheres.is_empty(), !scene.triangles.is_empty());
         let hierarchy = features_of(scene).contains(Features::HIERARCHY);
@@ -174,7 +175,7 @@ impl DefaultReport {
         matters.map(|(_, option, default, why)| Self { option, default, why }).collect()
     }
 
-    /// The option, its default, and why.
+    /// Returns the option, its default, and why.
     pub fn text(&self) -> String {
         let Self { option, default, why } = self;
         format!("--{option} {default}: {why}")

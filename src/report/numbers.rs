@@ -5,29 +5,15 @@ use crate::measure::timed::Ratio;
 use crate::wording::grouped;
 use std::time::Duration;
 
-/// A number with `decimals` decimals, or with more where that leaves fewer than two significant digits.
+/// Formats a number with `decimals` decimals, or with more where that leaves fewer than two significant
+/// digits.
 pub fn figure(x: f64, decimals: usize) -> String {
     // The cast saturates, and the clamp bounds the decimals of 0 and of numbers that are not finite.
     let needed = (1.0 - x.log10().floor()).clamp(0.0, 12.0) as usize;
     grouped(format!("{x:.0$}", decimals.max(if x > 0.0 { needed } else { 0 })))
 }
 
-/// A size in bytes, in powers of a thousand.
-pub fn bytes(count: u64) -> String {
-    const UNITS: [&str; 4] = ["kB", "MB", "GB", "TB"];
-    if count < 1_000 {
-        return format!("{count} B");
-    }
-    let mut amount = count as f64 / 1_000.0;
-    let mut unit = 0;
-    while amount >= 999.95 && unit + 1 < UNITS.len() {
-        amount /= 1_000.0;
-        unit += 1;
-    }
-    format!("{amount:.1} {}", UNITS[unit])
-}
-
-/// A share in per cent with two significant digits: 0, 0.0013 %, 4.5 %, 100 %.
+/// Formats a share in per cent with two significant digits: 0, 0.0013 %, 4.5 %, 100 %.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 {
@@ -41,17 +27,17 @@ pub fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// Stands behind a figure that is not reliable.
+/// Returns the mark of a figure that is not reliable.
 pub fn mark(figure: Reliability) -> &'static str {
     if figure.reliable { "" } else { "?" }
 }
 
-/// A ratio, marked where it is not reliable, and in brackets its spread.
+/// Formats a ratio, marked where it is not reliable, with its spread in brackets.
 pub fn ratio(Ratio { median, spread: [low, high], reliability, .. }: Ratio) -> String {
     format!("{median:.2}×{} ({low:.2}–{high:.2})", mark(reliability))
 }
 
-/// A ratio with two digits, or three just around 1; nothing where it is not finite.
+/// Formats a ratio with two digits, or three just around 1; empty where it is not finite.
 pub fn times(ratio: f64) -> String {
     match ratio {
         _ if !ratio.is_finite() => String::new(),
@@ -61,7 +47,7 @@ pub fn times(ratio: f64) -> String {
     }
 }
 
-/// Millions of rays per second.
+/// Returns millions of rays per second.
 pub fn mrays_per_s(rays: u64, time: Duration) -> f64 {
     rays as f64 / time.as_secs_f64().max(1e-9) / 1e6
 }
@@ -90,24 +76,9 @@ mod tests {
     }
 
     #[test]
-    fn bytes_picks_the_unit_that_keeps_numbers_short() {
-        for (count, text) in
-            [(0, "0 B"), (999, "999 B"), (1_000, "1.0 kB"), (999_999, "1.0 MB"), (2_500_000_000, "2.5 GB")]
-        {
-            assert_eq!(bytes(count), text);
-        }
-    }
-
-    #[test]
     fn percent_has_two_digits_and_calls_only_nothing_0_and_all_100() {
         let shares = [0.0, 2.5e-6, 0.000_013, 0.045, 0.5, 0.996, 0.99999, 1.0];
         let texts = ["0 %", "0.00025 %", "0.0013 %", "4.5 %", "50 %", "99.6 %", "99.9 %", "100 %"];
         assert_eq!(shares.map(percent), texts);
-    }
-
-    #[test]
-    fn ratios_have_the_digits_that_tell_them_apart() {
-        assert_eq!([1.004, 0.789, 4.13, 12.4].map(times), ["1.00×", "0.79×", "4.1×", "12×"]);
-        assert_eq!(times(f64::NAN), "");
     }
 }

@@ -75,7 +75,6 @@ const WORDS: [(&str, &str); 17] = [
     ("FXAA", "a filter that smooths the edges of a displayed picture (Lottes 2009)"),
 ];
 
-/// The page.
 pub fn page(chart: &Chart) -> String {
     let drawings: Vec<[Drawing; 6]> = chart.scenes.iter().map(|scene| of_scene(scene, chart.seeds)).collect();
     let figures = figures(chart);
@@ -104,7 +103,7 @@ pub fn page(chart: &Chart) -> String {
     page.into_string()
 }
 
-/// What was found, in three sentences.
+/// Summarises the findings in three sentences.
 fn found(chart: &Chart) -> Markup {
     let lines = || chart.scenes.iter().flat_map(|scene| scene.pictures.iter().map(move |line| (scene, line)));
     let scenes = chart.scenes.len();
@@ -144,7 +143,7 @@ fn list_of_dominated(all: Vec<String>) -> String {
     if all.is_empty() { "None is dominated.".into() } else { format!("Dominated: {}.", all.join("; ")) }
 }
 
-/// The tables of a scene, and the drawings that the page does not begin with.
+/// Returns the tables of a scene, and the drawings that the page does not begin with.
 fn of_one(
     scene: &SceneChart,
     figures: &Value,
@@ -181,7 +180,7 @@ fn of_one(
     }
 }
 
-/// The report, in which lines of pictures have their verdict and their last point, too.
+/// Returns the report as JSON, in which lines of pictures also have their verdict and their last point.
 fn figures(chart: &Chart) -> Value {
     let mut figures = json(chart);
     for (number, scene) in chart.scenes.iter().enumerate() {
@@ -194,7 +193,7 @@ fn figures(chart: &Chart) -> Value {
     figures
 }
 
-/// A table of these paths of an object's list, with the rows in bold that have a value.
+/// Returns a table of these paths of an object's list, with the rows in bold that have a value.
 fn table(object: &Value, lists: &[&str], paths: &str, (key, default): (&str, &str)) -> Markup {
     let name = |path: &str| {
         let name = path.trim_end_matches("/median").trim_start_matches("last/").replace('_', " ");
@@ -215,7 +214,7 @@ fn table(object: &Value, lists: &[&str], paths: &str, (key, default): (&str, &st
     }
 }
 
-/// A number, a spread as its median and below it the 10 % and 90 % quantiles, or a word.
+/// Formats a number, a spread as its median and below it the 10 % and 90 % quantiles, or a word.
 fn cell(value: &Value) -> String {
     match value {
         Value::Null => "–".into(),
@@ -258,8 +257,7 @@ fn source(chart: &Chart) -> Markup {
     }
 }
 
-/// What differs from the default in each configuration that the chart shows, what each of its intersection
-/// methods is, and the words of the page.
+/// Explains each configuration that the chart shows, its intersection methods, and the words of the page.
 fn glossary(chart: &Chart) -> Markup {
     let shown = |name: &str| {
         chart.scenes.iter().flat_map(|scene| &scene.pictures).any(|line| line.configuration == name)
@@ -278,7 +276,7 @@ fn glossary(chart: &Chart) -> Markup {
     }
 }
 
-/// A table of names and what each is.
+/// Returns a table of names and what each is.
 fn explained(named: impl Iterator<Item = (&'static str, &'static str)>) -> Markup {
     html! {
         div class="wide" {

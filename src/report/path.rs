@@ -1,4 +1,4 @@
-//! What `octray inspect --pixel` reports: one path in f64 and f32 beside each other.
+//! The report of `octray inspect --pixel`: one path in f64 and f32 beside each other.
 
 use super::inspection::type_of;
 use super::text::row;
@@ -11,7 +11,7 @@ const WIDTHS: [isize; 7] = [-16, 16, 16, 16, 19, 16, 16];
 const ROWS: [&str; 8] =
     ["distance", "point", "normal", "throughput", "+ emitted", "light direction", "+ light", "= radiance"];
 
-/// The JSON report as text for people. Rows that say nothing are left out.
+/// Formats the JSON report as text for people. Rows that say nothing are left out.
 pub fn text(report: &Value, scene: &Scene) -> String {
     let settings = &report["settings"];
     let whole = |value: &Value| value.as_u64().unwrap_or_default();
@@ -49,7 +49,7 @@ pub fn text(report: &Value, scene: &Scene) -> String {
     text + if samples_lights { note } else { "\n" }
 }
 
-/// What a vertex is on, and how the path leaves it.
+/// Names the primitive, the material and the lobe of a vertex.
 fn place(vertex: &Value, scene: &Scene) -> String {
     let Some(primitive) = vertex["primitive"].as_u64().map(|index| index as usize) else {
         return (if vertex.is_null() { "no vertex" } else { "the environment" }).into();
@@ -65,7 +65,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     list.iter().filter_map(Value::as_f64).collect()
 }
 
-/// Three cells of up to nine significant digits: all that f32 has.
+/// Formats three numbers with up to nine significant digits, which is all that f32 has.
 fn cells(numbers: &[f64]) -> [String; 3] {
     let text = |&x: &f64| {
         if x != 0.0 && !(1e-4..1e10).contains(&x.abs()) {

@@ -1,7 +1,7 @@
-//! What `octray rays` reports: rays per second, as a table or as JSON.
+//! The report of `octray rays`: rays per second, as a table or as JSON.
 
-use super::Checked;
-use super::numbers::{bytes, figure, mark, ratio, times};
+use super::baseline::{self, new_over_old};
+use super::numbers::{figure, mark, ratio, times};
 use super::settings::{Differences, RunSettings, differences, in_words, json};
 use super::stats;
 use super::text::{busy, paragraph, row};
@@ -9,43 +9,35 @@ use crate::bvh::check::Statistics;
 use crate::measure::cores::Reliability;
 use crate::measure::rays::{BuildTime, Measurement};
 use crate::measure::stats::RayStats;
-use crate::measure::timed::Ratio;
 use crate::render::TraversalChoice;
 use crate::scene::Scene;
 use crate::traverse::Traversal;
 use crate::wording::{counted, grouped};
+use indicatif::DecimalBytes;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Name and version of the JSON report's form.
 const SCHEMA: &str = "octray-rays-1";
-/// What names a row of the results.
+/// The keys that identify a row of the results.
 const KEYS: [&str; 4] = ["kind", "traversal", "lanes", "threads"];
 /// The traversal with which the others are compared.
 const SCALAR: &str = TraversalChoice::Through(Traversal::Scalar).name();
 
-/// The JSON report.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub struct Report {
-    /// Name and version of the report's form.
     pub schema: &'static str,
-    /// How the figures were measured.
     pub settings: RunSettings,
-    /// Whether nothing tells of a busy machine or of a debug build.
+    /// Whether neither a busy machine nor a debug build makes the figures unreliable.
     pub reliable: bool,
-    /// Its name.
     pub scene: String,
-    /// In the scene.
     pub triangles: usize,
-    /// In the scene.
     pub spheres: usize,
-    /// Of the picture whose pixel centres primary rays pass through, in pixels.
+    /// Pixels of the picture; primary rays pass through their centres.
     pub width: u32,
-    /// In pixels.
     pub height: u32,
     /// Median milliseconds of a build on one thread.
     pub build_ms: f64,
-    /// By number of threads, one first.
+    /// Build times by number of threads, one thread first.
     pub builds: Vec<BuildTime>,
     /// Memory of nodes, and of leaves with all that traversal reads.
     pub bvh_bytes: usize,
@@ -55,18 +47,18 @@ pub struct Report {
     pub fault: Option<String>,
     /// A row a kind of rays, traversal and number of threads.
     pub results: Vec<Measurement>,
-    /// With `--stats`: a pass that was not timed.
+    /// Test counts of a pass that was not timed, with `--stats`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<Vec<RayStats>>,
-    /// What was not measured, and why: each a full sentence.
+    /// The measurements that were left out, and why: a sentence each.
     pub left_out: Vec<String>,
-    /// With `--baseline`: what its settings and its scene do not share with these.
+    /// Differences from the settings and the scene of `--baseline`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub baseline_differences: Option<Differences>,
 }
 
 impl Report {
-    /// Without results yet; of a scene and its hierarchy, with builds of one thread first.
+    /// Builds a report without results. `builds` begins with one thread.
     pub fn new(
         settings: RunSettings,
         scene: &Scene,
@@ -78,7 +70,6 @@ impl Report {
         Self {
             schema: SCHEMA,
             settings,
-            reliable: false,
             scene: scene.name.clone(),
             triangles: scene.triangles.len(),
             spheres: scene.spheres.len(),
@@ -89,14 +80,11 @@ impl Report {
             bvh_bytes,
             fault: tree.as_ref().err().cloned(),
             tree: tree.ok(),
-            results: Vec::new(),
-            stats: None,
-            left_out: Vec::new(),
-            baseline_differences: None,
+            ..Self::default()
         }
     }
 
-    /// Reads an earlier report; otherwise the reason why it is none.
+    /// Reads an earlier report. The error says why `text` is none.
     pub fn read(text: &str) -> Result<Value, String> {
         let report: Value = serde_json::from_str(text).unwrap_or_default();
         let is_one = report["schema"] == SCHEMA && report["results"].is_array();
@@ -117,33 +105,29 @@ impl Report {
             let is_same = |old: &&Value| KEYS.iter().all(|key| old[*key] == row[*key]);
             let old = baseline["results"].as_array().into_iter().flatten().find(is_same);
             new.over_baseline = old.map(|old| {
-                let [slow, fast] = [0, 1].map(|end| number(&old["mrays_per_s_spread"][end]));
+                let spread = [0, 1].map(|end| number(&old["mrays_per_s_spread"][end]));
                 let reliable = new.reliability.reliable && old["reliable"] == true;
-                Ratio {
-                    median: new.mrays_per_s / number(&old["mrays_per_s"]),
-                    spread: [new.mrays_per_s_spread[0] / fast, new.mrays_per_s_spread[1] / slow],
-                    rounds: 1,
-                    reliability: Reliability { reliable, ..new.reliability },
-                }
+                let rates =
+                    [(new.mrays_per_s, new.mrays_per_s_spread), (number(&old["mrays_per_s"]), spread)];
+                new_over_old(rates, Reliability { reliable, ..new.reliability })
             });
         }
     }
-}
 
-impl Checked for Report {
-    fn has_failed(&self) -> bool {
+    /// Tests whether the hierarchy is invalid, or a hit differs from that of the scalar traversal.
+    pub fn has_failed(&self) -> bool {
         self.fault.is_some() || self.results.iter().any(|result| result.disagreements > 0)
     }
 }
 
-/// A row of the table; two cells for each number of threads.
+/// Returns a row of the table; two cells for each number of threads.
 fn cells(first: [&str; 2], of_threads: Vec<[String; 2]>, last: &str) -> String {
     let widths = [&[-12, 6][..], &[26, 10].repeat(of_threads.len()), &[9]].concat();
     let of_threads = of_threads.iter().flatten().map(String::as_str);
     row(&widths, first.into_iter().chain(of_threads).chain([last]))
 }
 
-/// The machine, the scene and its hierarchy, and what stands above the rows.
+/// Returns the machine, the scene and its hierarchy, and the heading of the table.
 pub fn heading(report: &Report, defaults: &RunSettings) -> String {
     let Report { settings, scene, triangles, spheres, width, height, bvh_bytes, .. } = report;
     let built = |build: &BuildTime| {
@@ -184,14 +168,14 @@ pub fn heading(report: &Report, defaults: &RunSettings) -> String {
         counted(triangles, "triangle", "triangles"),
         counted(spheres, "sphere", "spheres"),
         built.join(", "),
-        bytes(*bvh_bytes as u64),
+        DecimalBytes(*bvh_bytes as u64),
         *bvh_bytes as f64 / (triangles + spheres).max(1) as f64,
         names
     )
 }
 
-/// The rows of a kind of rays, one a traversal; scalar rays, if others are measured beside them, stand in the
-/// line above.
+/// Returns the rows of a kind of rays, one for each traversal. If scalar rays are measured beside others,
+/// they are in the line above the rows.
 pub fn rows(results: &[Measurement]) -> String {
     let Some(first) = results.first() else { return String::new() };
     let of_traversal = |traversal| results.iter().filter(move |result| result.traversal == traversal);
@@ -218,7 +202,7 @@ pub fn rows(results: &[Measurement]) -> String {
     text
 }
 
-/// The warning of a busy machine.
+/// Returns the warning of a busy machine.
 pub fn warning(results: &[Measurement]) -> Option<String> {
     busy(results.iter().map(|Measurement { kind, traversal, threads, reliability, .. }| {
         let threads = counted(threads, "thread", "threads");
@@ -226,7 +210,7 @@ pub fn warning(results: &[Measurement]) -> Option<String> {
     }))
 }
 
-/// The ratios to the baseline, if there is one: a row a result that it has.
+/// Returns the ratios to the baseline, if there is one: a row a result that it has.
 pub fn over_baseline(report: &Report) -> String {
     let Some(differences) = &report.baseline_differences else { return String::new() };
     let rows = report.results.iter().filter_map(|result| {
@@ -234,15 +218,11 @@ pub fn over_baseline(report: &Report) -> String {
         let name = format!("{}, {}, {}", result.kind.name(), result.traversal, stats::engine(result.lanes));
         Some(row(&[-32, -12, 24], [name, threads, ratio(result.over_baseline?)]))
     });
-    let meaning = format!(
-        "New over old, rays per second: of the median passes, and in brackets from the slow tenth of the new over \
-         the fast tenth of the old to the reverse. {}",
-        in_words(differences)
-    );
+    let meaning = baseline::meaning("rays", "passes") + &in_words(differences);
     format!("\n{}{}", paragraph(&meaning), rows.collect::<String>())
 }
 
-/// The table in words.
+/// Explains the table.
 pub fn meaning(report: &Report) -> String {
     let differ = report.results.iter().filter_map(|result| {
         let first = result.first_disagreement.as_ref()?;

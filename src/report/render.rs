@@ -1,4 +1,4 @@
-//! What `octray render` reports, as a line or as JSON.
+//! The report of `octray render`, as a line or as JSON.
 
 use super::numbers::figure;
 use super::settings::RunSettings;
@@ -21,64 +21,52 @@ pub enum End {
     Interrupt,
 }
 
-/// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
-    /// Name and version of the report's form.
     pub schema: &'static str,
-    /// Its name.
     pub scene: String,
-    /// With `--frames`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u32>,
-    /// With `--shard`: its number, and of how many. Samples and rays are those of the shard.
+    /// Number of the shard, and of all shards, with `--shard`. Samples and rays are those of the shard.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shard: Option<[u32; 2]>,
     /// Path of the picture, or of the part of a shard.
     pub output: String,
-    /// In pixels.
     pub width: u32,
-    /// In pixels.
     pub height: u32,
     /// The fewest samples of a pixel.
     pub samples: u32,
     /// The most: more than the fewest only with a target error, or where the rendering stopped in the middle
     /// of a sample.
     pub most_samples: u32,
-    /// Mean over the pixels.
     pub mean_samples: f64,
     /// The mean number of samples that the checkpoint had, if there was one: they are among the others.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resumed_samples: Option<f64>,
     /// Why this run took no more samples.
     pub ended_by: End,
-    /// In seconds; null without one.
     pub time_limit: Option<f64>,
     /// Relative standard error asked for, 0.05 for 5 %; null without one.
     pub target_error: Option<f64>,
-    /// With a target error; null in them means unknown.
+    /// Estimate with a target error; null values are unknown.
     pub estimated_error: Option<EstimatedError>,
-    /// Most scattering events of a path.
     pub max_bounces: u32,
-    /// Of the sample values.
     pub seed: u32,
     /// The traversal of the scene's primitives: `linear` where every one is tested.
     pub traversal: &'static str,
-    /// How the picture was made.
     pub settings: RunSettings,
     /// Largest radiance of a sample in each channel, with which the picture is biased. Null without a limit.
     pub clamp: Option<f32>,
     /// Wall time of tracing of this run, without loading and writing.
     pub seconds: f64,
-    /// Of all samples.
+    /// Rays of all samples.
     pub rays: u64,
-    /// Of this run.
+    /// Speed of this run.
     pub mrays_per_s: f64,
     /// Samples with a NaN or infinite channel, which count for nothing. 0 expected.
     pub discarded_samples: u64,
     /// `ended_by` is `interrupt`.
     pub interrupted: bool,
-    /// With `--stats`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<FrameStats>,
 }
@@ -88,13 +76,13 @@ pub struct Report {
 pub struct EstimatedError {
     /// Root mean square over the picture, relative like the target.
     pub rms: f64,
-    /// Of the worst block of 16×16 pixels, relative.
+    /// Relative error of the worst block of 16×16 pixels.
     pub largest: f64,
 }
 
 impl Report {
-    /// One line. `wanted` is the limit of samples, `begun` the share of pixels with at least one sample,
-    /// `options` those that differ from the defaults.
+    /// Returns one line. `wanted` is the limit of samples, `begun` the share of pixels with at least one
+    /// sample, `options` those that differ from the defaults.
     pub fn line(&self, wanted: u32, begun: f64, options: &str) -> String {
         let Self { output, width, height, samples, most_samples, seconds, mrays_per_s, .. } = self;
         let had = if samples == most_samples {
@@ -126,7 +114,8 @@ impl Report {
         )
     }
 
-    /// Why the rendering ended, with a target error or a time limit or by Ctrl-C, and the estimated error.
+    /// Returns why the rendering ended, with a target error or a time limit or by Ctrl-C, and the estimated
+    /// error.
     fn ending(&self) -> String {
         if self.target_error.is_none() && self.time_limit.is_none() && !self.interrupted {
             return String::new();

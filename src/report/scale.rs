@@ -10,7 +10,6 @@ pub(super) struct Scale {
     /// The coordinates of the axis's ends.
     low: f64,
     high: f64,
-    /// Numbers.
     ticks: Vec<f64>,
     /// The coordinate of numbers that have no logarithm.
     zero: f64,
@@ -19,7 +18,8 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// Logarithmic around these numbers. Those that are not above 0 stand at the lower end, at a tick "0".
+    /// Builds a logarithmic scale around these numbers. Numbers that are 0 or less are at the lower end, at a
+    /// tick "0".
     pub fn log(numbers: &[f64], most_ticks: usize, ends: [i32; 2]) -> Self {
         let logs = || numbers.iter().filter(|x| x.is_finite() && **x > 0.0).map(|x| x.log10());
         let least = logs().reduce(f64::min).unwrap_or(0.0);
@@ -36,7 +36,7 @@ impl Scale {
         Self { log: true, low, high, ticks, zero, ends }
     }
 
-    /// Linear from 0 to the largest of these numbers.
+    /// Builds a linear scale from 0 to the largest of these numbers.
     pub fn from_zero(numbers: &[f64], most_ticks: usize, ends: [i32; 2]) -> Self {
         let most = numbers.iter().copied().filter(|x| x.is_finite()).fold(0.0, f64::max);
         let high = if most > 0.0 { most } else { 1.0 };
@@ -47,7 +47,7 @@ impl Scale {
         Self { log: false, low: 0.0, high, ticks, zero: 0.0, ends }
     }
 
-    /// The position of a number.
+    /// Returns the position of a number.
     pub fn at(&self, number: f64) -> i32 {
         let coordinate = match self.log {
             true if number <= 0.0 => self.zero,
@@ -68,12 +68,12 @@ impl Scale {
     }
 }
 
-/// A digit times a power of ten.
+/// Returns a digit times a power of ten.
 fn decimal(digit: u8, power: i32) -> f64 {
     format!("{digit}e{power}").parse().expect("a number")
 }
 
-/// At most so many ticks between two logarithms, at the densest of these digits times powers of ten.
+/// Returns at most `most` ticks between two logarithms, at the densest of these digits times powers of ten.
 fn decades(low: f64, high: f64, most: usize) -> Vec<f64> {
     const DIGITS: [&[u8]; 4] = [&[1, 2, 3, 5], &[1, 2, 5], &[1, 3], &[1]];
     let rules = DIGITS.map(|digits| (digits, 1)).into_iter().chain((2..).map(|every| (&[1][..], every)));

@@ -13,22 +13,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-/// What a run was asked for. Keys are the names of options.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The settings of a run. Keys are the names of options.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunSettings {
-    /// Ray-sphere intersection method.
     pub sphere: SphereChoice,
-    /// Ray-triangle intersection method.
     pub triangle: TriangleChoice,
-    /// As asked for; the results have the traversal that was used.
+    /// The option; the results have the traversal that was used.
     pub traversal: TraversalChoice,
-    /// Which lights are sampled.
     pub lights: LightChoice,
-    /// Source of random numbers.
     pub sampler: Sampler,
     /// Features that the pipeline is compiled for.
     pub pipeline: PipelineChoice,
-    /// Of the random numbers.
     pub seed: u32,
     /// Every width that is measured.
     pub lanes: Vec<usize>,
@@ -43,12 +38,11 @@ pub struct RunSettings {
     /// The command's own options, where they are given.
     #[serde(flatten)]
     pub more: Map<String, Value>,
-    /// The machine and the build.
     pub machine: Machine,
 }
 
 impl RunSettings {
-    /// Of these methods; all else is a default, or empty.
+    /// Builds the settings of these methods; all else is a default, or empty.
     pub fn of(methods: Methods) -> Self {
         Self {
             sphere: methods.sphere,
@@ -56,18 +50,12 @@ impl RunSettings {
             traversal: methods.traversal,
             lights: methods.lights,
             sampler: methods.sampler,
-            pipeline: PipelineChoice::default(),
-            seed: 0,
-            lanes: Vec::new(),
-            threads: Vec::new(),
-            size: None,
-            bounces: None,
-            more: Map::new(),
             machine: Machine::current(),
+            ..Self::default()
         }
     }
 
-    /// Of a picture.
+    /// Builds the settings of a picture.
     pub fn of_picture(settings: &Settings) -> Self {
         let Settings { resolution, max_bounces, seed, methods, lanes, threads, pipeline, clamp, .. } =
             *settings;
@@ -83,13 +71,13 @@ impl RunSettings {
         run.with("clamp", Some(clamp).filter(|clamp| clamp.is_finite()))
     }
 
-    /// With an option of the command's own, if it is given.
+    /// Adds an option of the command's own, if it is given.
     pub fn with(mut self, option: &str, value: Option<impl Serialize>) -> Self {
         self.more.extend(value.map(|value| (option.to_owned(), json(&value))));
         self
     }
 
-    /// Size and bounces: these, or with `as_scene` each scene's own.
+    /// Adds size and bounces, or with `as_scene` the option that takes each scene's own.
     pub fn sized(self, size: [u32; 2], bounces: u32, as_scene: bool) -> Self {
         match as_scene {
             true => self.with("as-scene", Some(true)),
@@ -97,7 +85,8 @@ impl RunSettings {
         }
     }
 
-    /// The options that make these settings of the others, as on the command line; empty where none differs.
+    /// Returns the options that turn the other settings into these, as on the command line; empty where none
+    /// differs.
     pub fn options(&self, others: &Self) -> String {
         let given =
             differences(&json(self), &json(others)).into_iter().filter(|(_, [own, _])| !own.is_null());
@@ -108,7 +97,7 @@ impl RunSettings {
         given.map(option).collect::<Vec<_>>().join(" ")
     }
 
-    /// A line of the options that differ from the command's `defaults`.
+    /// Returns a line of the options that differ from the command's `defaults`.
     pub fn line(&self, defaults: &Self) -> String {
         match self.options(defaults).as_str() {
             "" => "options: the defaults\n".into(),
@@ -117,11 +106,11 @@ impl RunSettings {
     }
 }
 
-/// What two runs do not share: by name, what it is here and there; null where it is not given.
+/// Differences of two runs: by name, the value here and there; null where it is not given.
 pub type Differences = BTreeMap<String, [Value; 2]>;
 
-/// The differences of two reports' settings; those of an object within them stand for themselves, but for the
-/// names of instruction sets, which are many.
+/// Returns the differences of two reports' settings. Those of an object within them are listed one by one,
+/// except the names of instruction sets, which are many.
 pub fn differences(here: &Value, there: &Value) -> Differences {
     let mut found = Differences::new();
     for key in [here, there].into_iter().filter_map(Value::as_object).flat_map(Map::keys) {
@@ -135,7 +124,7 @@ pub fn differences(here: &Value, there: &Value) -> Differences {
     found
 }
 
-/// The differences in a sentence.
+/// Returns the differences in a sentence.
 pub fn in_words(differences: &Differences) -> String {
     let clause = |(name, values): (&String, &[Value; 2])| {
         let [here, there] = values.each_ref().map(|value| word(value, name));
@@ -147,13 +136,13 @@ pub fn in_words(differences: &Differences) -> String {
     }
 }
 
-/// Through text: an f32 in a `Value` would have the digits of an f64.
+/// Converts a value to JSON through text: an f32 in a `Value` would have the digits of an f64.
 pub fn json(value: &impl Serialize) -> Value {
     let text = serde_json::to_string(value).expect("settings are JSON");
     serde_json::from_str(&text).expect("it was just written")
 }
 
-/// The value of a setting of this name.
+/// Formats the value of a setting of this name.
 fn word(value: &Value, name: &str) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -166,7 +155,7 @@ fn word(value: &Value, name: &str) -> String {
     }
 }
 
-/// The traversal of each scene, in words: `scenes` are names and traversals.
+/// Names the traversal of each scene: `scenes` are names and traversals.
 pub fn traversals<'a>(scenes: impl Iterator<Item = (&'a str, &'static str)>) -> String {
     let mut of_traversal = BTreeMap::<_, Vec<_>>::new();
     scenes.for_each(|(scene, traversal)| of_traversal.entry(traversal).or_default().push(scene));
@@ -180,7 +169,7 @@ pub fn traversals<'a>(scenes: impl Iterator<Item = (&'a str, &'static str)>) -> 
     paragraph(&format!("Traversal: {}.", words.collect::<Vec<_>>().join("; ")))
 }
 
-/// A scene's own size and bounces, where they are not those that are measured.
+/// Returns a scene's own size and bounces, where they are not those that are measured.
 pub fn own_size(scene: &Scene, measured: &Settings) -> Option<String> {
     let ([width, height], bounces) = (scene.resolution, scene.max_bounces);
     let differs = (measured.resolution, measured.max_bounces) != (scene.resolution, bounces);
@@ -188,34 +177,10 @@ pub fn own_size(scene: &Scene, measured: &Settings) -> Option<String> {
         .then(|| format!("{} has {width}×{height} and {}", scene.name, counted(bounces, "bounce", "bounces")))
 }
 
-/// One line of what [`own_size`] finds; nothing where every scene is measured as it says.
+/// Joins the results of [`own_size`] in one line; empty where every scene has the measured size and bounces.
 pub fn own_sizes(own: &[String]) -> String {
     let Some((first, others)) = own.split_first() else { return String::new() };
     let others =
         if others.is_empty() { String::new() } else { format!(" (and {} more differ)", others.len()) };
     format!("Not the scene's own size and bounces: {first}{others}; --as-scene takes them.\n")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::load;
-
-    #[test]
-    fn options_are_those_that_differ_and_json_keeps_all() {
-        let scene = load("builtin:three").unwrap();
-        let default = RunSettings::of_picture(&Settings::of(&scene));
-        assert_eq!(default.line(&default), "options: the defaults\n");
-        let methods = Methods { sphere: SphereChoice::Naive, ..Methods::default() };
-        let settings = Settings { methods, resolution: [4, 3], clamp: 0.1, ..Settings::of(&scene) };
-        let other =
-            RunSettings { threads: vec![1, 2], ..RunSettings::of_picture(&settings) }.with("frames", Some(9));
-        let options = "--clamp 0.1 --frames 9 --size 4x3 --sphere naive --threads 1,2";
-        assert_eq!(other.options(&default), options);
-        let text = serde_json::to_string(&other).unwrap();
-        assert_eq!(serde_json::from_str::<RunSettings>(&text).unwrap(), other);
-        let own = RunSettings { size: None, bounces: None, ..default.clone() };
-        assert_eq!(own.clone().sized([9, 9], 1, true).options(&default), "--as-scene");
-        assert_eq!(own.sized([9, 9], 1, false).options(&default), "--bounces 1 --size 9x9");
-    }
 }

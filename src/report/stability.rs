@@ -1,6 +1,5 @@
-//! What `octray stability` reports: tables, JSON, drawings of failures and errors along a test case's axis.
+//! The report of `octray stability`: tables, JSON, drawings of failures and errors along a test case's axis.
 
-use super::Checked;
 use super::drawing::Drawing;
 use super::figure::{Figure, Line, Look, Panel};
 use super::numbers::percent;
@@ -11,31 +10,28 @@ use crate::wording::{counted, grouped};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// The JSON report.
 #[derive(Debug, Serialize)]
 pub struct Report {
-    /// Name and version of the report's form.
     pub schema: &'static str,
-    /// What the program was built for: failures depend on fused multiply-add.
+    /// Machine and build: failures depend on fused multiply-add.
     pub machine: Machine,
-    /// Were ten times as many inputs tried?
+    /// Whether ten times as many inputs were tried.
     pub thorough: bool,
-    /// Do the default methods keep their bounds in all test cases?
+    /// Whether the default methods keep their bounds in all test cases.
     pub holds: bool,
     /// In the order of the list.
     pub test_cases: Vec<Outcome>,
 }
 
 impl Report {
-    /// Made on this machine.
+    /// Builds the report of this machine.
     pub fn new(thorough: bool, test_cases: Vec<Outcome>) -> Self {
         let holds = test_cases.iter().all(|outcome| outcome.holds);
         Self { schema: "octray-stability-1", machine: Machine::current(), thorough, holds, test_cases }
     }
-}
 
-impl Checked for Report {
-    fn has_failed(&self) -> bool {
+    /// Tests whether a default method breaks a bound.
+    pub fn has_failed(&self) -> bool {
         !self.holds
     }
 }
@@ -47,9 +43,8 @@ const FIGURE: usize = 8;
 /// The widths of the summary's columns.
 const SUMMARY: [isize; 8] = [-21, -24, 9, 8, 9, -26, 9, 9];
 
-/// A row a test case: the default method where it is worst among the places at which it has a bound, and of
-/// the other methods the one that is best where it is worst. Then what the default promises and does not
-/// keep.
+/// Returns a row for each test case: the default method where it is worst among the places at which it has a
+/// bound, and the best other method where that is worst. Then come the bounds that the default breaks.
 pub fn summary(report: &Report) -> String {
     let names = ["test case", "default *", "worst, %", "at", "error", "  best rival", "worst, %", "error"];
     let mut text = format!("\n{}", row(&SUMMARY, names));
@@ -62,7 +57,7 @@ pub fn summary(report: &Report) -> String {
         };
         let of = |default| {
             let curves = curves.iter().filter(move |curve| curve.default == default);
-            // Of equal places the first.
+            // The first of equal places.
             let worst = curves.filter_map(|curve| {
                 let points = curve.points.iter().filter(|point| !open.contains(&point.x));
                 points.rev().max_by(|a, b| by_figures(a, b)).map(|point| (curve.method, point))
@@ -84,7 +79,8 @@ pub fn summary(report: &Report) -> String {
     text + &report.test_cases.iter().map(faults).collect::<String>()
 }
 
-/// A test case: a row a method for its failures, and a second row for its error where that is measured.
+/// Returns the table of a test case: a row for the failures of each method, and a second row for its error
+/// where that is measured.
 pub fn table(outcome: &Outcome) -> String {
     let Outcome { test_case, curves, .. } = outcome;
     let TestCase { name, title, axis, failure, error, .. } = test_case;
@@ -113,7 +109,7 @@ pub fn table(outcome: &Outcome) -> String {
     text
 }
 
-/// Where the default of a test case breaks its bound.
+/// Returns a line for each place where the default method of a test case breaks its bound.
 fn faults(outcome: &Outcome) -> String {
     let fault = |Point { x, failures, tested, p99, bound, .. }: &Point| {
         let Bound { failures: share, p99: most } = bound.unwrap_or(Bound::NONE);
@@ -129,13 +125,13 @@ fn faults(outcome: &Outcome) -> String {
     outcome.faults().map(fault).collect()
 }
 
-/// A place on an axis, in fewer characters than [`FIGURE`].
+/// Formats a place on an axis in fewer characters than [`FIGURE`].
 fn place(x: f64) -> String {
     let text = if x == 0.0 || (1e-3..1e5).contains(&x) { format!("{x}") } else { format!("{x:e}") };
     if text.len() < FIGURE { text } else { format!("{x:.1e}") }
 }
 
-/// What the figures mean together.
+/// Returns the verdict on all test cases.
 pub fn verdict(report: &Report) -> String {
     let broken = report.test_cases.iter().filter(|outcome| !outcome.holds);
     let failed: Vec<&str> = broken.map(|outcome| outcome.test_case.name).collect();
@@ -148,7 +144,7 @@ pub fn verdict(report: &Report) -> String {
     }
 }
 
-/// The drawings of a test case: failures, and errors where they are measured.
+/// Returns the drawings of a test case: failures, and errors where they are measured.
 pub fn drawings(outcome: &Outcome) -> Vec<Drawing> {
     let failures = Drawing { name: outcome.test_case.name.to_string(), svg: failures(outcome).svg() };
     let errors = outcome.test_case.error.map(|error| Drawing {
@@ -189,13 +185,13 @@ fn errors(outcome: &Outcome, error: &str) -> Figure {
     figure(outcome, notes, error, of)
 }
 
-/// The default first.
+/// Returns the curves, the default first.
 fn in_order(outcome: &Outcome) -> impl Iterator<Item = &Curve> {
     let of = |default| outcome.curves.iter().filter(move |curve| curve.default == default);
     of(true).chain(of(false))
 }
 
-/// A line a curve, with the points and the band that `of` gives.
+/// Draws a line for each curve, with the points and the band that `of` returns.
 fn figure(
     outcome: &Outcome,
     notes: Vec<String>,
@@ -222,72 +218,40 @@ mod tests {
     use super::*;
     use crate::measure::stability::{Effort, Method, Trial, run};
 
-    /// Two methods at one place, where the default has so many failures.
-    fn test_case(error: Option<&'static str>) -> &'static TestCase {
-        Box::leak(Box::new(TestCase { name: "far", error, ..TestCase::COMMON }))
-    }
-
-    fn outcome(failures: usize) -> Outcome {
-        let point = |failures, p99| Point {
-            x: 4096.0,
-            tested: 2000,
-            failures,
-            p50: p99,
-            p90: p99,
-            p99,
-            max: p99.map(|p99: f64| 2.0 * p99),
-            bound: Some(Bound::NO_FAILURE),
+    /// A curve of places, each with its failures of 2,000 inputs and its error. The default promises that there
+    /// is no failure, except at 1e9.
+    fn curve(method: &'static str, default: bool, points: &[(f64, usize, Option<f64>)]) -> Curve {
+        let point = |&(x, failures, p99): &(f64, usize, Option<f64>)| {
+            let bound = default.then_some(if x < 1e9 { Bound::NO_FAILURE } else { Bound::NONE });
+            Point { x, tested: 2000, failures, p50: p99, p90: p99, p99, max: p99, bound }
         };
-        let robust = point(failures, Some(1.5e-6));
-        let naive = Point { bound: None, ..point(10, None) };
-        Outcome {
-            test_case: test_case(Some("|Δt|")),
-            holds: robust.holds(),
-            curves: vec![
-                Curve { method: "naive", default: false, points: vec![naive] },
-                Curve { method: "robust", default: true, points: vec![robust] },
-            ],
-        }
+        Curve { method, default, points: points.iter().map(point).collect() }
     }
 
-    #[test]
-    fn table_marks_the_default_and_tells_its_faults() {
-        let good = table(&outcome(0));
-        let has = |row: &[&str]| good.lines().any(|line| line.split_whitespace().eq(row.iter().copied()));
-        assert!(has(&["4096"]) && has(&["robust", "*", "0"]) && has(&["1.5e-6"]), "{good}");
-    }
-
-    fn report(test_cases: Vec<Outcome>) -> Report {
-        Report::new(false, test_cases)
+    fn outcome(error: Option<&'static str>, curves: Vec<Curve>) -> Outcome {
+        let test_case = Box::leak(Box::new(TestCase { name: "far", error, ..TestCase::COMMON }));
+        let holds = curves.iter().flat_map(|curve| &curve.points).all(Point::holds);
+        Outcome { test_case, holds, curves }
     }
 
     #[test]
     fn summary_has_the_worst_of_the_default_and_the_best_rival() {
-        let mut doctored = outcome(3);
-        let at = |curve: &Curve, x, failures, p99| Point { x, failures, p99, ..curve.points[0].clone() };
-        let [naive, robust] = &mut doctored.curves[..] else { panic!("two methods") };
-        let open = Point { bound: Some(Bound::NONE), ..at(robust, 1e9, 2000, None) };
-        robust.points.extend([at(robust, 8192.0, 3, Some(2e-6)), open]);
-        // Bad at one place is worse than middling at both; nobody looks where the default has no bound.
-        let rival = |method, failures: [usize; 2]| {
-            let places = [4096.0, 8192.0].into_iter().zip(failures);
-            let mut points: Vec<_> = places.map(|(x, failures)| at(naive, x, failures, None)).collect();
-            points.push(at(naive, 1e9, 2000, None));
-            Curve { method, default: false, points }
-        };
-        let rivals = [rival("middling", [4, 6]), rival("uneven", [0, 400])];
-        doctored.curves.extend(rivals);
-        let said = summary(&report(vec![doctored]));
+        let default =
+            curve("robust", true, &[(4096.0, 3, Some(1.5e-6)), (8192.0, 3, Some(2e-6)), (1e9, 2000, None)]);
+        // Bad at one place is worse than middling at both. Places where the default has no bound do not count.
+        let rivals = [("naive", [10, 10]), ("middling", [4, 6]), ("uneven", [0, 400])];
+        let rivals = rivals.map(|(method, [a, b])| {
+            curve(method, false, &[(4096.0, a, None), (8192.0, b, None), (1e9, 2000, None)])
+        });
+        let curves = rivals.into_iter().chain([default]).collect();
+        let said = summary(&Report::new(false, vec![outcome(Some("|Δt|"), curves)]));
         let has = |row: &str| said.lines().any(|line| line.split_whitespace().eq(row.split(' ')));
         assert!(has("far robust 0.15 8192 2.0e-6 middling 0.30 –"), "{said}");
         assert!(said.contains("FAILS in far at 4096: 3 of 2,000"), "{said}");
-        assert!(!summary(&report(vec![outcome(0)])).contains("FAILS"));
     }
 
     #[test]
     fn verdict_names_the_test_cases_in_which_a_default_fails() {
-        assert!(verdict(&report(vec![outcome(0)])).contains("keep their bounds in 1 test case."));
-        assert!(verdict(&report(vec![outcome(0), outcome(1)])).contains("BOUNDS in far."));
         // A default that fails in one input of ten thousand, through the same code as the others.
         let broken = |places| {
             let run: Trial = Box::new(move |rng, x, counts| {
@@ -297,31 +261,27 @@ mod tests {
             let methods = vec![Method { name: "broken", default: true, run }];
             &*Box::leak(Box::new(TestCase { name: "far", places, methods, ..TestCase::COMMON }))
         };
-        let failed =
-            |places| report(run(&[broken(&[1.0]), broken(places)], Effort(0.1), &|| {})).has_failed();
-        assert_eq!([failed(&[1.0]), failed(&[1.0, 2.0])], [false, true]);
-    }
-
-    #[test]
-    fn places_are_short() {
-        assert_eq!(
-            [0.0, 1e-6, 0.02, 4096.0, 1e5, 4294967296.0].map(place),
-            ["0", "1e-6", "0.02", "4096", "1e5", "4.3e9"]
-        );
+        let report = |places| Report::new(false, run(&[broken(&[1.0]), broken(places)], Effort(0.1), &|| {}));
+        let [good, bad] = [report(&[1.0]), report(&[1.0, 2.0])];
+        assert!(!good.has_failed() && verdict(&good).contains("keep their bounds in 2 test cases."));
+        assert!(bad.has_failed() && verdict(&bad).contains("BOUNDS in far."));
     }
 
     #[test]
     fn drawings_show_every_method_the_default_first() {
-        let outcome = outcome(0);
-        let names: Vec<String> = drawings(&outcome).into_iter().map(|drawing| drawing.name).collect();
-        assert_eq!(names, ["far", "far-error"]);
-        let [failures, errors] =
-            [failures(&outcome), errors(&outcome, "|Δt|")].map(|mut figure| figure.panels.remove(0).lines);
+        let curves = || {
+            vec![
+                curve("naive", false, &[(4096.0, 10, None)]),
+                curve("robust", true, &[(4096.0, 0, Some(1.5e-6))]),
+            ]
+        };
+        let measured = outcome(Some("|Δt|"), curves());
+        let lines = |mut figure: Figure| figure.panels.remove(0).lines;
+        let [failures, errors] = [failures(&measured), errors(&measured, "|Δt|")].map(lines);
         assert_eq!([&failures[0].points, &failures[1].points], [&[[4096.0, 0.0]], &[[4096.0, 0.5]]]);
         assert_eq!((&failures[0].name[..], failures[0].look), ("robust (default)", Look::Default));
-        assert_eq!((&failures[1].name[..], failures[1].look), ("naive", Look::Plain));
         assert_eq!((&errors[0].points, errors[1].points.len()), (&vec![[4096.0, 1.5e-6]], 0));
         assert_eq!((errors[0].band.len(), errors[1].band.len()), (1, 0));
-        assert_eq!(drawings(&Outcome { test_case: test_case(None), ..outcome }).len(), 1);
+        assert_eq!([drawings(&measured).len(), drawings(&outcome(None, curves())).len()], [2, 1]);
     }
 }

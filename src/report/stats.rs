@@ -21,7 +21,7 @@ const SIMD_UTILISATION: &str = "\
 SIMD utilisation: rays over the lanes of the packets that hold them, and the share of rays after this number of \
 bounces in all rays. From two bounces on, tiles share packets: more of them with fewer threads.";
 
-/// A table with one column for each of `columns`; `heading` stands above the names of the rows.
+/// Returns a table with one column for each of `columns`, below `heading`.
 pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
     let widths = [&[-28][..], &vec![22; columns.len()]].concat();
     let mut text = String::from("\n");
@@ -76,12 +76,12 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
     text
 }
 
-/// What the tables of [`frames`] mean.
+/// Explains the tables of [`frames`].
 pub fn meaning_of_frames() -> String {
     "\n".to_owned() + &[STAGES, SIMD_UTILISATION, TESTS].map(paragraph).concat()
 }
 
-/// A row for each kind of rays and traversal.
+/// Returns a row for each kind of rays and traversal.
 pub fn rays(rows: &[RayStats]) -> String {
     const WIDTHS: [isize; 5] = [-9, -10, 24, 24, 24];
     let names = KINDS.map(|(what, _)| format!("{what} tests a ray"));
@@ -110,7 +110,7 @@ fn hundredths(x: f64) -> String {
     grouped(format!("{x:.2}"))
 }
 
-/// A width in words.
+/// Returns a width in words.
 pub fn engine(lanes: usize) -> String {
     if lanes == 1 { "scalar".into() } else { format!("{lanes} lanes") }
 }

@@ -3,7 +3,7 @@
 use super::chart::Chart;
 use serde_json::Value;
 
-/// A chart as JSON.
+/// Returns a chart as JSON.
 pub fn json(chart: &Chart) -> Value {
     // Through text: an f32 in a `Value` would have the digits of an f64.
     let text = serde_json::to_string(chart).expect("a chart is JSON");
@@ -15,7 +15,7 @@ pub fn json(chart: &Chart) -> Value {
 pub struct Row<'a>(Vec<&'a Value>);
 
 impl<'a> Row<'a> {
-    /// The objects of lists inside lists of an object.
+    /// Returns the objects of lists inside lists of an object.
     pub fn all(object: &'a Value, lists: &[&str]) -> Vec<Self> {
         lists.iter().fold(vec![Self(vec![object])], |rows, list| {
             let inside = |row: Self| {
@@ -26,7 +26,7 @@ impl<'a> Row<'a> {
         })
     }
 
-    /// The value of a key in the innermost object that has it; a path goes on inside the value.
+    /// Returns the value of a key in the innermost object that has it; a path goes on inside the value.
     pub fn get(&self, path: &str) -> &'a Value {
         let key = path.split('/').next().unwrap_or(path);
         let has = self.0.iter().rev().find(|object| object.get(key).is_some());
@@ -71,7 +71,7 @@ const TABLES: [Table; 5] = [
     ),
 ];
 
-/// The names of all CSV files, and their texts.
+/// Returns the names of all CSV files, and their texts.
 pub fn tables(chart: &Value) -> impl Iterator<Item = (String, String)> {
     TABLES.iter().map(|table| (format!("{}.csv", table.0), csv(table, chart)))
 }
@@ -99,7 +99,7 @@ fn csv((_, lists, columns): &Table, chart: &Value) -> String {
     String::from_utf8(bytes).expect("all cells are text")
 }
 
-/// The time of a picture in passes of the default.
+/// Returns the time of a picture in passes of the default.
 fn default_passes(row: &Row) -> String {
     let [time, pass] = ["seconds/median", "default_pass_s"].map(|path| row.get(path).as_f64());
     (time.unwrap_or(f64::NAN) / pass.unwrap_or(f64::NAN)).to_string()
@@ -120,7 +120,7 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// The cells of a table's rows, as `name=cell`.
+    /// Returns the cells of a table's rows, as `name=cell`.
     fn named(name: &str, chart: &Value) -> Vec<String> {
         let text = csv(TABLES.iter().find(|table| table.0 == name).unwrap(), chart);
         let mut reader = csv::Reader::from_reader(text.as_bytes());

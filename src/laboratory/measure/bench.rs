@@ -33,13 +33,13 @@ pub enum Effort {
 }
 
 /// The speed of one engine on one scene.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Measurement {
     /// Its name, as in [`Scene::name`].
     pub scene: String,
-    /// Of the picture, in pixels.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Of the picture, in pixels.
+    /// Height of the picture in pixels.
     pub height: u32,
     /// Most scattering events of a path.
     pub max_bounces: u32,
@@ -60,7 +60,7 @@ pub struct Measurement {
     /// Rays (closest-hit or any-hit queries of active lanes) over wall time of the median frame, in millions
     /// a second.
     pub mrays_per_s: f64,
-    /// Mean over the frames, of all kinds of rays.
+    /// Mean number of rays of a frame, of all kinds.
     pub rays_per_frame: f64,
     /// How far these figures can be relied on.
     #[serde(flatten)]
@@ -83,7 +83,7 @@ pub struct Measurement {
     /// Speed over that of the second configuration, if there is one: of its engine at the same place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_second: Option<Ratio>,
-    /// Of further frames that are not timed; on request.
+    /// Figures of further frames that are not timed; on request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<FrameStats>,
 }
@@ -181,8 +181,8 @@ fn frame_stats(TimedRenderer { renderer, .. }: &TimedRenderer, frames: u32) -> F
 /// Speed-up, scaling, specialisation, and the ratio to the second configuration.
 type Ratios = [Option<Ratio>; 4];
 
-/// The ratios of the engines of a configuration, each with its times. `general` are those of the first engine
-/// with the general pipeline, `second` those of the second configuration by place.
+/// Returns the ratios of the engines of a configuration, each with its times. `general` are those of the
+/// first engine with the general pipeline, `second` those of the second configuration by place.
 fn ratios(engines: &[Engine], times: &[&Times], general: Option<&Times>, second: &[&Times]) -> Vec<Ratios> {
     let ratios = |(place, &Engine { lanes, threads }): (usize, &Engine)| {
         let over =

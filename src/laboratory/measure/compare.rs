@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// The comparison of one scene.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Comparison {
     /// Its name.
     pub scene: String,
@@ -41,8 +41,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Whether a check failed. Pixels must not differ, no sample be discarded, and no primary hit be wrong
-    /// unless a chosen method does not promise it.
+    /// Tests whether a check failed. Pixels must not differ, no sample be discarded, and no primary hit be
+    /// wrong unless a chosen method does not promise it.
     pub fn failed(&self, methods: Methods) -> bool {
         let wrong_hits = self.reference.mismatched_hits > 0 && methods.keep_to_their_primitives();
         self.mismatched_pixels > 0 || self.discarded_samples > 0 || wrong_hits
@@ -65,7 +65,7 @@ pub struct Mismatch {
 }
 
 /// The difference from the f64 reference with the same random numbers.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct ReferenceCheck {
     /// Root of the mean squared difference of the pixels' channels.
     pub rmse: f64,
@@ -156,9 +156,9 @@ fn rendered(scene: &Scene, settings: Settings, samples: u32) -> Film {
 /// The pixels in which any width differs from scalar in any bit.
 #[derive(Debug, Default)]
 pub struct Mismatches {
-    /// Their indices.
+    /// Indices of the pixels.
     pub pixels: BTreeSet<usize>,
-    /// As in [`Comparison`].
+    /// The first mismatch, as in [`Comparison`].
     pub first: Option<Mismatch>,
 }
 
@@ -198,7 +198,7 @@ impl Share {
     }
 }
 
-/// The greatest common divisor (Euclid).
+/// Returns the greatest common divisor (Euclid).
 fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }

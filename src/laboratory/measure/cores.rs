@@ -2,9 +2,9 @@
 //!
 //! A scheduler may leave two threads of a pool on one core for tens of milliseconds while another is idle.
 //!
-//! What others took is no guess from slow frames. A single thread never waits: others took its wall time
-//! less its processor time. Threads of a pool wait for each other at the end of each frame, which nobody
-//! takes from them: others took the time in which such a thread could run and stood in the queue of its core.
+//! The time that other programs took is not guessed from slow frames. A single thread never waits: others
+//! took its wall time less its processor time. Threads of a pool wait for each other at the end of each
+//! frame: others took the time in which such a thread could run but was in the queue of its core.
 
 use super::quantiles::Quantiles;
 use serde::{Deserialize, Serialize};
@@ -19,17 +19,19 @@ const BUSY: f64 = 0.05;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Reliability {
-    /// Whether nothing tells of a busy machine or of too few samples.
+    /// Whether neither a busy machine nor too few samples make the figure unreliable.
     pub reliable: bool,
     /// Whether each measuring thread was pinned to a core of its own: not where there are more threads than
     /// cores, and on Linux alone.
     pub pinned: bool,
-    /// The share of the time that others took, in the median turn; null where the system does not say.
+    /// The share of the time that other programs took, in the median turn; null where the system does not
+    /// report it.
     pub taken: Option<f64>,
 }
 
 impl Reliability {
-    /// Of a span of `wall` seconds; `used` and `queued` are each thread's seconds on a core and in its queue.
+    /// Computes the reliability of a span of `wall` seconds; `used` and `queued` are each thread's seconds on
+    /// a core and in its queue.
     fn of_span(wall: f64, used: &[Option<f64>], queued: &[Option<f64>], pinned: bool) -> Self {
         let lost = match used {
             [used] => used.map(|used| wall - used),
@@ -37,19 +39,19 @@ impl Reliability {
         };
         Self { reliable: true, pinned, taken: lost.map(|lost| (lost / wall).clamp(0.0, 1.0)) }
     }
-    /// Of two turns or figures together: what others took of the one that lost more.
+    /// Combines two turns or figures: others took as much as of the one that lost more.
     pub fn worse(&self, other: &Self) -> Self {
         let taken = [self.taken, other.taken].into_iter().flatten().reduce(f64::max);
         Self { reliable: self.reliable && other.reliable, pinned: self.pinned && other.pinned, taken }
     }
-    /// Of a figure, from its turns; it has enough samples or has not.
+    /// Computes the reliability of a figure from its turns, and from whether it has `enough` samples.
     pub fn of(turns: &[Self], enough: bool) -> Self {
         let taken: Option<Vec<f64>> = turns.iter().map(|turn| turn.taken).collect();
         let taken = taken.filter(|taken| !taken.is_empty()).map(|taken| Quantiles::of(taken).median());
         let judged = Self { reliable: enough, pinned: turns.iter().all(|turn| turn.pinned), taken };
         Self { reliable: enough && !judged.is_busy(), ..judged }
     }
-    /// Whether others took so much that the figure is wrong.
+    /// Tests whether others took so much that the figure is wrong.
     pub fn is_busy(&self) -> bool {
         self.taken.is_some_and(|taken| taken > BUSY)
     }
@@ -78,7 +80,7 @@ fn on_each<T: Send>(threads: usize, run: impl Fn(usize) -> T + Sync) -> Vec<T> {
     if threads == 1 { vec![run(0)] } else { rayon::broadcast(|thread| run(thread.index())) }
 }
 
-/// Hardware threads, one of each core before the second of any; `core` names the core of one.
+/// Returns the hardware threads, one of each core before the second of any; `core` names the core of one.
 fn cores_first(numbers: impl Iterator<Item = usize>, core: impl Fn(usize) -> String) -> Vec<usize> {
     let (mut seen, mut ranks) = (BTreeMap::new(), BTreeMap::<usize, Vec<usize>>::new());
     for number in numbers {
@@ -95,8 +97,8 @@ mod system {
     use rustix::time::{ClockId, clock_gettime};
     use std::fs::read_to_string;
 
-    /// The cores that this process may use. The first is the one on which the caller runs: the scheduler
-    /// chose it, and other programs that measure have others.
+    /// Returns the cores that this process may use. The first is the one on which the caller runs: the
+    /// scheduler chose it, and other programs that measure have others.
     pub fn cores() -> Vec<usize> {
         let Ok(allowed) = sched_getaffinity(None) else { return Vec::new() };
         let numbers = (sched_getcpu()..CpuSet::MAX_CPU).chain(0..sched_getcpu());
@@ -115,12 +117,12 @@ mod system {
     pub fn unpin(before: &CpuSet) {
         let _ = sched_setaffinity(None, before);
     }
-    /// Seconds that the calling thread has used.
+    /// Returns the seconds that the calling thread has used.
     pub fn processor_time() -> Option<f64> {
         let used = clock_gettime(ClockId::ThreadCPUTime);
         Some(used.tv_sec as f64 + used.tv_nsec as f64 * 1e-9)
     }
-    /// Seconds that it could run and stood in queues of cores.
+    /// Returns the seconds that the calling thread could run but was in the queue of a core.
     pub fn queue_time() -> Option<f64> {
         let times = read_to_string("/proc/thread-self/schedstat").ok()?;
         times.split(' ').nth(1)?.parse().ok().map(|queued: f64| queued * 1e-9)

@@ -28,7 +28,8 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// A value that is not finite makes the error so, except in the excluded pixels.
+    /// Computes the errors of a picture. A value that is not finite makes the error so, except in the
+    /// excluded pixels.
     ///
     /// # Panics
     /// If the pictures differ in size, or have no pixel.

@@ -21,12 +21,12 @@ const EXTENT: f32 = 2.0;
 /// Tests of one ray against one primitive.
 pub const TESTS: usize = RAYS * PRIMITIVES;
 
-/// The spheres: centre and squared radius.
+/// Returns the spheres: centre and squared radius.
 pub fn spheres() -> Vec<(Point, f32)> {
     (0..PRIMITIVES as u32).map(sphere).collect()
 }
 
-/// The triangles, as a method stores them.
+/// Returns the triangles, as a method stores them.
 pub fn triangles<T: TriangleMethod>() -> Vec<T::Stored> {
     (0..PRIMITIVES as u32).map(triangle).map(T::store).collect()
 }
@@ -40,7 +40,7 @@ pub struct Found {
     pub distance: f32,
 }
 
-/// Every ray against every primitive.
+/// Tests every ray against every sphere.
 pub fn all_spheres<L: Lane, S: SphereMethod>(rays: &[Ray<L>], spheres: &[(Point, f32)]) -> Found {
     let mut sums = HitSums::new();
     for ray in rays {
@@ -54,13 +54,13 @@ pub fn all_spheres<L: Lane, S: SphereMethod>(rays: &[Ray<L>], spheres: &[(Point,
     sums.found()
 }
 
-/// The boxes, by their lower and upper corners: those of the triangles.
+/// Returns the boxes, by their lower and upper corners: those of the triangles.
 pub(crate) fn boxes() -> Vec<[Point; 2]> {
     let of = |[a, b, c]: [Point; 3]| [a.min(b).min(c), a.max(b).max(c)];
     (0..PRIMITIVES as u32).map(|index| of(triangle(index))).collect()
 }
 
-/// Every ray against every box; t is the entry point.
+/// Tests every ray against every box; t is the entry point.
 pub(crate) fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point; 2]]) -> Found {
     let mut sums = HitSums::new();
     for ray in rays {
@@ -73,7 +73,7 @@ pub(crate) fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point;
     sums.found()
 }
 
-/// Every ray against every primitive.
+/// Tests every ray against every triangle.
 pub fn all_triangles<L: Lane, T: TriangleMethod>(rays: &[Ray<L>], triangles: &[T::Stored]) -> Found {
     let mut sums = HitSums::new();
     for ray in rays {
@@ -107,8 +107,8 @@ impl<L: Lane> HitSums<L> {
     }
 }
 
-/// Random number `number` of item `item`, uniform in [0, 1): the same in every run, and independent of the
-/// engine's generator (SplitMix64's mixer).
+/// Returns random number `number` of item `item`, uniform in [0, 1): the same in every run, and independent
+/// of the engine's generator (SplitMix64's mixer).
 fn random(item: u32, number: u32) -> f32 {
     let mut x =
         (u64::from(item) << 32 | u64::from(number)).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -117,12 +117,12 @@ fn random(item: u32, number: u32) -> f32 {
     (x >> 40) as f32 / (1 << 24) as f32
 }
 
-/// A point in the cube [−1, 1]³, from three numbers.
+/// Returns a point in the cube [−1, 1]³, from three numbers.
 fn point(item: u32, first: u32) -> Point {
     Point::from_array(std::array::from_fn(|axis| 2.0 * random(item, first + axis as u32) - 1.0))
 }
 
-/// The rays in packets: from outside through the cube of primitives, eight neighbours a packet.
+/// Returns the rays in packets: from outside through the cube of primitives, eight neighbours a packet.
 pub fn rays<L: Lane>() -> Vec<Ray<L>> {
     let ray = |index: usize| {
         // Item numbers that no primitive has.
@@ -141,13 +141,13 @@ pub fn rays<L: Lane>() -> Vec<Ray<L>> {
         .collect()
 }
 
-/// A sphere in the cube: centre and squared radius.
+/// Returns a sphere in the cube: centre and squared radius.
 fn sphere(index: u32) -> (Point, f32) {
     let radius = 0.05 + 0.25 * random(index, 3);
     (point(index, 0), radius * radius)
 }
 
-/// A triangle in the cube.
+/// Returns a triangle in the cube.
 fn triangle(index: u32) -> [Point; 3] {
     let center = point(index, 0);
     [3, 6, 9].map(|first| center + 0.5 * point(index, first))

@@ -18,12 +18,12 @@ impl Quantiles {
         values.sort_by(f64::total_cmp);
         Self { sorted: values }
     }
-    /// The value below which a fraction of the measurements lies (nearest rank).
+    /// Returns the value below which a fraction of the measurements lies (nearest rank).
     pub fn at(&self, fraction: f64) -> f64 {
         let rank = (fraction * self.sorted.len() as f64).ceil() as usize;
         self.sorted[rank.clamp(1, self.sorted.len()) - 1]
     }
-    /// The middle value; the mean of the two middle values of an even count.
+    /// Returns the middle value; the mean of the two middle values of an even count.
     pub fn median(&self) -> f64 {
         let middle = self.sorted.len() / 2;
         if self.sorted.len() % 2 == 1 {
@@ -32,7 +32,7 @@ impl Quantiles {
             (self.sorted[middle - 1] + self.sorted[middle]) / 2.0
         }
     }
-    /// The 10th and the 90th percentile.
+    /// Returns the 10th and the 90th percentile.
     pub fn spread(&self) -> [f64; 2] {
         [self.at(0.1), self.at(0.9)]
     }
@@ -42,7 +42,7 @@ impl Quantiles {
 }
 
 /// Median and spread.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Spread {
     /// The middle value.
     pub median: f64,
@@ -76,11 +76,11 @@ pub(crate) struct Rounds {
 }
 
 impl Rounds {
-    /// A round begins before `end` and may end after it.
+    /// Builds rounds that begin before `end` and may end after it.
     pub fn until(end: Instant, fewest: usize, most: usize) -> Self {
         Self { fewest, most, end, begun: 0, whole: false, last_start: Instant::now() }
     }
-    /// A round begins if it is expected to end before `end`.
+    /// Builds rounds that begin only if they are expected to end before `end`.
     pub fn within(end: Instant, fewest: usize, most: usize) -> Self {
         Self { whole: true, ..Self::until(end, fewest, most) }
     }
@@ -127,13 +127,5 @@ mod tests {
         assert!(Rounds::until(now, 3, 8).eq(0..3) && Rounds::within(now, 3, 8).eq(0..3));
         assert!(Rounds::until(later, 3, 8).eq(0..8) && Rounds::within(later, 3, 8).eq(0..8));
         assert!(Rounds::until(later, 9, 8).eq(0..9), "the fewest come first");
-    }
-
-    #[test]
-    fn round_that_would_end_late_does_not_begin() {
-        // The first takes 20 ms of 30.
-        let rounds =
-            |rounds: Rounds| rounds.inspect(|_| std::thread::sleep(Duration::from_millis(20))).count();
-        assert_eq!(rounds(Rounds::within(Instant::now() + Duration::from_millis(30), 1, 8)), 1);
     }
 }

@@ -32,7 +32,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The name in reports and files.
+    /// Returns the name in reports and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Primary => "primary",
@@ -40,7 +40,7 @@ impl Kind {
             Self::Diffuse => "diffuse",
         }
     }
-    /// Whether the query is for any hit.
+    /// Tests whether the query is for any hit.
     pub fn any_hit(self) -> bool {
         self == Self::Shadow
     }
@@ -49,7 +49,7 @@ impl Kind {
 /// Rays of one kind as columns of equal length.
 #[derive(Clone, Debug)]
 pub struct RaySet {
-    /// Of all its rays.
+    /// Kind of all rays of the set.
     pub kind: Kind,
     /// Columns x, y, z; scene units.
     pub origin: [Vec<f32>; 3],
@@ -59,8 +59,8 @@ pub struct RaySet {
     pub t_max: Vec<f32>,
 }
 
-/// The pixels of a picture in the order of primary rays: tile by tile, and in a tile as in frames. Tiles
-/// clipped by the picture's edge come last, so that all others start at a multiple of their size.
+/// Returns the pixels of a picture in the order of primary rays: tile by tile, and in a tile as in frames.
+/// Tiles clipped by the picture's edge come last, so that all others start at a multiple of their size.
 pub(crate) fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
     let whole = |tile: &Tile| [tile.width, tile.height] == TILE;
     let (whole, cut): (Vec<Tile>, Vec<Tile>) = Tile::cover(size, TILE).partition(whole);
@@ -72,7 +72,7 @@ pub(crate) fn pixels(size: [u32; 2]) -> Vec<[u32; 2]> {
 }
 
 impl RaySet {
-    /// Of rays, each with its t_max.
+    /// Collects rays, each with its t_max.
     fn of(kind: Kind, rays: impl Iterator<Item = (Ray<f32>, f32)>) -> Self {
         let columns = || [const { Vec::new() }; 3];
         let mut set = Self { kind, origin: columns(), direction: columns(), t_max: Vec::new() };
@@ -85,7 +85,7 @@ impl RaySet {
         set
     }
 
-    /// The rays through the centres of these pixels.
+    /// Returns the rays through the centres of these pixels.
     pub fn primary(camera: &Pinhole, pixels: &[[u32; 2]]) -> Self {
         let ray = |pixel: &[u32; 2]| {
             let [x, y] = pixel.map(|x| x as f32 + 0.5);
@@ -94,8 +94,8 @@ impl RaySet {
         Self::of(Kind::Primary, pixels.iter().map(ray))
     }
 
-    /// One ray of this kind from every hit of the primary rays through `pixels`, in their order. `width`:
-    /// pixels of a row.
+    /// Builds one ray of this kind from every hit of the primary rays through `pixels`, in their order.
+    /// `width`: pixels of a row.
     pub(crate) fn from_hits(
         kind: Kind,
         scene: &Scene,
@@ -124,22 +124,23 @@ impl RaySet {
         Self::of(kind, pixels.iter().enumerate().filter_map(ray))
     }
 
-    /// Number of rays.
+    /// Returns the number of rays.
     pub fn len(&self) -> usize {
         self.t_max.len()
     }
-    /// Whether there is no ray: a camera that sees no surface has no secondary rays.
+    /// Tests whether there is no ray: a camera that sees no surface has no secondary rays.
     pub fn is_empty(&self) -> bool {
         self.t_max.is_empty()
     }
-    /// The view that traversals read.
+    /// Returns the view that traversals read.
     pub(crate) fn rays(&self) -> Rays<'_> {
         let (origin, direction) = (self.origin.each_ref(), self.direction.each_ref());
         Rays::new(origin.map(Vec::as_slice), direction.map(Vec::as_slice)).until(&self.t_max)
     }
 }
 
-/// Origin of a secondary ray at a hit, and the unit normal on the side from which the first ray arrives.
+/// Returns the origin of a secondary ray at a hit, and the unit normal on the side from which the first ray
+/// arrives.
 pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Answer) -> (Vec3<f32>, Vec3<f32>) {
     let primitive = scene.primitive(hit.primitive as usize);
     let (point, outward, offset) = primitive.shape().surface(ray.at(hit.t), [hit.u, hit.v]);
@@ -161,7 +162,7 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Whether both are a hit; where the nearest one counts, whether all bits are equal.
+    /// Tests whether both are a hit; where the nearest one counts, whether all bits are equal.
     pub(super) fn agrees(&self, other: &Self, kind: Kind) -> bool {
         let bits = |Self { t, primitive, u, v }: &Self| (*primitive, [t, u, v].map(|x| x.to_bits()));
         if kind.any_hit() {
@@ -186,20 +187,20 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// A miss for every ray.
+    /// Returns a miss for every ray.
     pub fn none(set: &RaySet) -> Self {
         let zeros = || vec![0.0; set.len()];
         Self { t: set.t_max.clone(), primitive: vec![MISS; set.len()], u: zeros(), v: zeros() }
     }
-    /// The view that traversals write.
+    /// Returns the view that traversals write.
     pub(crate) fn hits(&mut self) -> Hits<'_> {
         Hits { t: &mut self.t, primitive: &mut self.primitive, u: &mut self.u, v: &mut self.v }
     }
-    /// The hit of ray `at`.
+    /// Returns the hit of ray `at`.
     pub(crate) fn get(&self, at: usize) -> Answer {
         Answer { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
     }
-    /// Number of hits.
+    /// Returns the number of hits.
     pub fn count(&self) -> usize {
         self.primitive.iter().filter(|&&primitive| primitive != MISS).count()
     }

@@ -14,15 +14,15 @@ pub struct FrameStats {
     pub threads: usize,
     /// Samples of every pixel.
     pub frames: u32,
-    /// Of every kind.
+    /// Rays of every kind.
     pub rays: u64,
     /// Seconds of all stages, summed over the threads, with the cost of the clock and of counting.
     pub seconds: f64,
-    /// By [`Stage`], in the order in which a path passes them.
+    /// Time of each [`Stage`], in the order in which a path passes them.
     pub stages: Vec<StageStats>,
     /// Primary, bounce and shadow rays.
     pub kinds: Vec<KindStats>,
-    /// By number of bounces, from 0.
+    /// Path segments by number of bounces, from 0.
     pub bounces: Vec<BounceStats>,
 }
 
@@ -67,7 +67,7 @@ pub struct BounceStats {
 /// The tests of one traversal for one kind of rays.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RayStats {
-    /// Of the rays.
+    /// Kind of the rays.
     pub kind: Kind,
     /// [`super::trace::TraceMethod::name`].
     pub traversal: &'static str,
@@ -121,7 +121,7 @@ impl TestStats {
 }
 
 impl FrameStats {
-    /// From the counters of `frames` samples of every pixel.
+    /// Computes the figures from the counters of `frames` samples of every pixel.
     pub fn of(stats: &Stats, lanes: usize, threads: usize, frames: u32) -> Self {
         let rays = RayKind::ALL.iter().map(|&kind| stats.rays(kind)).sum();
         let seconds = stats.times.iter().map(|time| time.as_secs_f64()).sum();

@@ -27,21 +27,21 @@ pub enum TraceMethod {
 }
 
 impl TraceMethod {
-    /// The name on the command line and in reports.
+    /// Returns the name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
             Self::Tree(traversal) => TraversalChoice::Through(traversal).name(),
         }
     }
-    /// SIMD lanes.
+    /// Returns the number of SIMD lanes.
     pub fn lanes(self) -> usize {
         match self {
             Self::Linear => NATIVE_WIDTH,
             Self::Tree(traversal) => traversal.lanes(),
         }
     }
-    /// The chosen method; `None` for the automatic choice.
+    /// Returns the chosen method; `None` for the automatic choice.
     pub fn of(choice: TraversalChoice) -> Option<Self> {
         match choice {
             TraversalChoice::Auto => None,
@@ -49,7 +49,7 @@ impl TraceMethod {
             TraversalChoice::Through(traversal) => Some(Self::Tree(traversal)),
         }
     }
-    /// All of them, the baseline first.
+    /// Returns all methods, the baseline first.
     pub fn all() -> impl Iterator<Item = Self> {
         Traversal::ALL.into_iter().map(Self::Tree).chain([Self::Linear])
     }
@@ -103,7 +103,7 @@ impl TracePool {
     pub fn new(threads: usize) -> Self {
         Self(Threads::new(threads, Tracer::new))
     }
-    /// Number of worker threads.
+    /// Returns the number of worker threads.
     pub fn threads(&self) -> usize {
         self.0.count()
     }
@@ -135,7 +135,8 @@ impl TracePool {
         });
     }
 
-    /// `inline(never)`: `perf/stat.sh` selects this function by name.
+    /// Traces the chunk that begins with ray `first`. `inline(never)`: `perf/stat.sh` selects this function
+    /// by name.
     #[inline(never)]
     fn trace_chunk(
         &self,
@@ -150,7 +151,8 @@ impl TracePool {
         structures.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit);
     }
 
-    /// All answers at once on one thread, in chunks on more; `work` takes the number of its first ray.
+    /// Calls `work` with all answers at once on one thread, or in chunks on more, and the number of the first
+    /// ray.
     fn each_chunk(&self, rays: usize, answers: &mut Answers, work: impl Fn(usize, &mut Hits) + Sync) {
         if self.0.is_single() {
             return work(0, &mut answers.hits());
@@ -164,22 +166,5 @@ impl TracePool {
         columns.into_par_iter().enumerate().for_each(|(unit, (t, primitive, u, v))| {
             work(unit * chunk, &mut Hits { t, primitive, u, v });
         });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::measure::ray_sets::Kind;
-
-    #[test]
-    fn no_rays_are_no_work_on_any_number_of_threads() {
-        let none = || [Vec::new(), Vec::new(), Vec::new()];
-        let set = RaySet { kind: Kind::Shadow, origin: none(), direction: none(), t_max: Vec::new() };
-        for threads in [1, 2, 5] {
-            let (pool, mut answers) = (TracePool::new(threads), Answers::none(&set));
-            pool.clear(&set, &mut answers);
-            pool.each_chunk(set.len(), &mut answers, |_, hits| assert!(hits.t.is_empty()));
-        }
     }
 }

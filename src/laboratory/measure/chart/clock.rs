@@ -44,12 +44,12 @@ impl Times {
     pub fn spread(&self, clock: Clock) -> Spread {
         Spread::of(self.by(clock))
     }
-    /// The share of the time that other programs took, in the median.
+    /// Returns the share of the time that other programs took, in the median.
     pub fn taken(&self) -> f64 {
         Quantiles::of(self.0.iter().map(|[wall, processor]| 1.0 - processor / wall).collect()).median()
     }
-    /// How far these times by this clock, which are enough or are not, can be relied on. By the processor's,
-    /// a busy machine does not make them wrong.
+    /// Returns how far these times by this clock can be relied on, given whether they are `enough`. A busy
+    /// machine does not make the processor's times wrong.
     pub fn reliability(&self, clock: Clock, enough: bool) -> Reliability {
         let Spread { p10, p90, .. } = self.spread(clock);
         let reliable = enough && p90 <= SCATTERED * p10;
@@ -58,7 +58,7 @@ impl Times {
 }
 
 impl Clock {
-    /// The processor's where most of the times are those of a busy machine.
+    /// Chooses the processor's clock where most of the times are those of a busy machine.
     pub(crate) fn of<'a>(times: impl Iterator<Item = &'a Times>) -> Self {
         let taken = Some(Quantiles::of(times.map(Times::taken).collect()).median());
         let busy = Reliability { reliable: true, pinned: true, taken }.is_busy();

@@ -44,7 +44,7 @@ pub struct FilterResult {
     pub frame_ms: Spread,
     /// Time to filter them, in milliseconds. The denoiser's AOVs are rendered anew, as when the camera moves.
     pub filter_ms: Spread,
-    /// Of the times.
+    /// Reliability of the times.
     #[serde(flatten)]
     pub reliability: Reliability,
 }

@@ -44,7 +44,7 @@ pub struct Frames {
     pub seeds: usize,
     /// Frames of one sample per pixel per second: each accumulation's median frame.
     pub fps: Spread,
-    /// Of `fps`.
+    /// Reliability of `fps`.
     #[serde(flatten)]
     pub reliability: Reliability,
     /// The picture at 1/30 s, 0.2 s and 1 s.

@@ -17,22 +17,26 @@ use std::time::{Duration, Instant};
 /// Width and height of a frame over those of the small picture.
 pub const SHRINK: u32 = 3;
 
+/// Most samples of a frame: 33 times those after half a second at a thousand frames per second. At the small
+/// size there are more than [`super::pictures::GROUND_TRUTH_FACTOR`] times those of the best picture.
+pub(crate) const MOST_SAMPLES: u32 = 16_384;
+
 /// Seeds of the halves. No measured picture has them.
 const SEEDS: [u32; 2] = [0x7472_7574, 0x7472_7575];
 
 /// A picture at two sizes, with its own error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundTruth {
-    /// At the size of frames, linear RGB.
+    /// Picture at the size of frames, linear RGB.
     pub frame: Picture,
-    /// The same view at 1/[`SHRINK`] of the width and height: each pixel the mean of a square.
+    /// Picture of the same view at 1/[`SHRINK`] of the width and height: each pixel the mean of a square.
     pub(crate) small: Picture,
     /// Its samples and its own error.
     pub info: GroundTruthInfo,
 }
 
 /// Samples and standard error of a ground truth; `octray chart` keeps it in a file beside the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GroundTruthInfo {
     /// Samples per pixel of the frame; the small picture has [`SHRINK`]² times as many.
     pub samples: u32,
@@ -47,6 +51,14 @@ pub struct GroundTruthInfo {
     pub cached: bool,
 }
 
+impl GroundTruthInfo {
+    /// Tests whether a ground truth of an earlier run is good enough for a run with this budget. One from a run
+    /// with much less time would limit the samples of all pictures.
+    pub fn is_enough_for(&self, budget: Duration) -> bool {
+        self.samples >= MOST_SAMPLES || self.budget_s >= 0.5 * budget.as_secs_f64()
+    }
+}
+
 /// Renders a ground truth.
 pub(crate) struct GroundTruthRenderer {
     renderers: [Renderer; 2],
@@ -54,7 +66,7 @@ pub(crate) struct GroundTruthRenderer {
 }
 
 impl GroundTruthRenderer {
-    /// `settings` are those of frames.
+    /// Prepares the two halves. `settings` are those of frames.
     pub fn new(scene: &Scene, settings: Settings, threads: usize) -> Self {
         let mut methods = settings.methods;
         methods.sampler = Sampler::Random;
@@ -92,7 +104,7 @@ impl GroundTruthRenderer {
 
 #[cfg(test)]
 impl GroundTruthRenderer {
-    /// So many samples, however long they take.
+    /// Renders so many samples, without a time limit.
     pub fn render(&mut self, samples: u32) -> GroundTruth {
         let hour = Duration::from_secs(3_600);
         self.render_until(Instant::now() + hour, samples, hour)
@@ -113,28 +125,28 @@ impl GroundTruth {
         Self { frame: mean(&a, &b), small: mean(&small_a, &small_b), info }
     }
 
-    /// From the frame of an earlier run.
+    /// Builds a ground truth from the frame of an earlier run.
     pub fn from_kept(frame: Picture, info: GroundTruthInfo) -> Self {
         let small = shrunk(&frame);
         Self { frame, small, info: GroundTruthInfo { cached: true, ..info } }
     }
 
-    /// Samples per pixel of the small picture.
+    /// Returns the samples per pixel of the small picture.
     pub(crate) fn small_samples(&self) -> u32 {
         self.info.samples * SHRINK * SHRINK
     }
 }
 
-/// The root mean square error of a picture without the part of the ground truth's own error; the two are
-/// independent, so their squares add up. NaN where the ground truth's is larger: the picture's error is then
-/// unknown, but smaller.
+/// Returns the root mean square error of a picture without the part of the ground truth's own error; the two
+/// are independent, so their squares add up. NaN where the ground truth's is larger: the picture's error is
+/// then unknown, but smaller.
 pub(crate) fn corrected(rmse: f64, of_ground_truth: f64) -> f64 {
     (rmse * rmse - of_ground_truth * of_ground_truth).sqrt()
 }
 
 impl GroundTruth {
-    /// The errors of several pictures against this frame, each corrected; `None` where one is below the
-    /// frame's own.
+    /// Returns the errors of several pictures against this frame, each corrected; `None` where one is below
+    /// the frame's own.
     pub(crate) fn corrected_rmse(&self, rmse: impl IntoIterator<Item = f64>) -> Option<Spread> {
         let own = self.info.frame_rmse;
         let corrected: Vec<f64> = rmse.into_iter().map(|rmse| corrected(rmse, own)).collect();
@@ -147,7 +159,7 @@ fn mean(a: &Picture, b: &Picture) -> Picture {
     Picture { pixels: a.pixels.iter().zip(&b.pixels).map(both).collect(), ..*a }
 }
 
-/// The small picture: each pixel the mean of [`SHRINK`]² pixels.
+/// Returns the small picture: each pixel the mean of [`SHRINK`]² pixels.
 ///
 /// # Panics
 /// If a side is no multiple of [`SHRINK`].
@@ -171,6 +183,14 @@ fn shrunk(picture: &Picture) -> Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ground_truth_of_a_run_with_much_less_time_is_not_enough() {
+        let kept = |samples| GroundTruthInfo { samples, budget_s: 20.0, ..GroundTruthInfo::default() };
+        let is_enough = |samples, seconds| kept(samples).is_enough_for(Duration::from_secs(seconds));
+        assert!(is_enough(100, 30) && !is_enough(100, 50));
+        assert!(is_enough(MOST_SAMPLES, 5000), "there is none better");
+    }
 
     fn cornell(samples: u32) -> GroundTruth {
         let scene = octray_formats::scene::load("builtin:cornell").unwrap();

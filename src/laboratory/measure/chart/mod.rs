@@ -52,10 +52,6 @@ const GROUND_TRUTH_SHARE: f64 = 0.25;
 const PICTURES_SHARE: f64 = 0.55;
 const FRAMES_SHARE: f64 = 0.67;
 const DISPLAY_SHARE: f64 = 0.72;
-/// Most samples of the ground truth. At the small size more than [`pictures::GROUND_TRUTH_FACTOR`] times the
-/// samples of the best picture; of a frame, 33 times the samples after half a second at a thousand frames per
-/// second.
-const MOST_GROUND_TRUTH_SAMPLES: u32 = 16_384;
 /// The configurations that `frames` compares: of those with equal bits, only the scalar one.
 const IN_FRAMES: [&str; 5] =
     [configurations::DEFAULT, "scalar", "random numbers", "no next event estimation", "all lights"];
@@ -63,7 +59,7 @@ const IN_FRAMES: [&str; 5] =
 /// Size and time of one scene's chart.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
-    /// Of the pictures; frames have [`SHRINK`] times as many pixels in width and in height.
+    /// Pixels of the pictures; frames have [`SHRINK`] times as many in width and in height.
     pub size: [u32; 2],
     /// Most scattering events of a path.
     pub max_bounces: u32,
@@ -84,7 +80,7 @@ impl Plan {
         self.start + self.time.mul_f64(share)
     }
 
-    /// The default settings of a frame.
+    /// Returns the default settings of a frame.
     pub(crate) fn frame(&self, scene: &Scene) -> Settings {
         let resolution = self.size.map(|side| side * SHRINK);
         Settings { resolution, max_bounces: self.max_bounces, ..Settings::of(scene) }
@@ -93,13 +89,7 @@ impl Plan {
     /// Renders the ground truth.
     pub fn ground_truth(&self, scene: &Scene) -> GroundTruth {
         let mut renderer = GroundTruthRenderer::new(scene, self.frame(scene), self.threads);
-        renderer.render_until(self.at(GROUND_TRUTH_SHARE), MOST_GROUND_TRUTH_SAMPLES, self.budget)
-    }
-
-    /// Whether the ground truth of an earlier run is good enough. One from a run with much less time would
-    /// limit the samples of all pictures.
-    pub fn accepts(&self, kept: &GroundTruthInfo) -> bool {
-        kept.samples >= MOST_GROUND_TRUTH_SAMPLES || kept.budget_s >= 0.5 * self.budget.as_secs_f64()
+        renderer.render_until(self.at(GROUND_TRUTH_SHARE), ground_truth::MOST_SAMPLES, self.budget)
     }
 
     /// Charts the scene in the remaining time; `step` takes the name of each step as it begins.
@@ -132,33 +122,5 @@ impl Plan {
             display,
             motion,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ground_truth_of_a_run_with_much_less_time_is_not_accepted() {
-        let plan = |seconds| Plan {
-            size: [16, 9],
-            max_bounces: 4,
-            seeds: 8,
-            threads: 1,
-            start: Instant::now(),
-            time: Duration::from_secs(1),
-            budget: Duration::from_secs(seconds),
-        };
-        let kept = |samples| GroundTruthInfo {
-            samples,
-            frame_rmse: 0.1,
-            small_rmse: 0.03,
-            budget_s: 20.0,
-            cached: true,
-        };
-        assert!(plan(20).accepts(&kept(100)) && plan(30).accepts(&kept(100)));
-        assert!(!plan(50).accepts(&kept(100)));
-        assert!(plan(5000).accepts(&kept(MOST_GROUND_TRUTH_SAMPLES)), "there is none better");
     }
 }

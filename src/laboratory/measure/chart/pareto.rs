@@ -15,7 +15,7 @@ pub struct ErrorCurve {
 }
 
 impl ErrorCurve {
-    /// From seconds and errors by level, each by seed; both above 0.
+    /// Builds a curve from seconds and errors by level, each by seed; both above 0.
     pub fn new(levels: impl Iterator<Item = (Vec<f64>, Vec<f64>)>) -> Self {
         let mut curve = Self { seeds: Vec::new(), medians: Vec::new() };
         for (seconds, errors) in levels {
@@ -28,8 +28,8 @@ impl ErrorCurve {
         curve
     }
 
-    /// Whether this curve has a smaller error in the time of a level of the other for at least nine of ten
-    /// seeds.
+    /// Tests whether this curve has a smaller error in the time of a level of the other for at least nine of
+    /// ten seeds.
     pub fn beats(&self, other: &ErrorCurve, level: usize) -> bool {
         let better = |(ours, theirs): (&Vec<[f64; 2]>, &Vec<[f64; 2]>)| {
             let [time, error] = theirs[level];
@@ -39,8 +39,8 @@ impl ErrorCurve {
         10 * seeds.filter(|pair| better(*pair)).count() >= 9 * self.seeds.len()
     }
 
-    /// If some other curve beats this one at every level: the first that does so at all levels, or else the
-    /// one with the smallest error at the last level.
+    /// Returns the curve that dominates this one: if some other curve beats this one at every level, the
+    /// first that does so at all levels, or else the one with the smallest error at the last level.
     pub(crate) fn dominated_by<'a>(&self, others: &[(&'a str, &ErrorCurve)]) -> Option<&'a str> {
         let levels = 0..self.medians.len();
         let everywhere =
@@ -59,9 +59,9 @@ impl ErrorCurve {
         at_last.min_by(|a, b| error(a.1).total_cmp(&error(b.1))).map(|(name, _)| *name)
     }
 
-    /// Time to the error of this curve's last point, or of the default's where that is larger, over the time
-    /// of `default` to the same error: by the medians, and from 10 to 90 % of the seeds. Neither is
-    /// extrapolated to errors that it did not reach.
+    /// Returns the time to the error of this curve's last point, or of the default's where that is larger,
+    /// over the time of `default` to the same error: by the medians, and from 10 to 90 % of the seeds.
+    /// Neither is extrapolated to errors that it did not reach.
     pub(crate) fn time_to_last_error_over(&self, default: &ErrorCurve) -> Spread {
         let ratio = |(ours, theirs): (&Vec<[f64; 2]>, &Vec<[f64; 2]>)| {
             let error = ours[ours.len() - 1][1].max(theirs[theirs.len() - 1][1]);
@@ -76,7 +76,7 @@ impl ErrorCurve {
 /// Slope of the extrapolation: Δ ln error / Δ ln time.
 const SLOPE: f64 = -0.5;
 
-/// The error of a curve at a time, in logarithms; `None` before its first point.
+/// Returns the error of a curve at a time, in logarithms; `None` before its first point.
 fn error_at(curve: &[[f64; 2]], time: f64) -> Option<f64> {
     let (first, last) = (curve.first()?, curve.last()?);
     if time < first[0] {
@@ -90,7 +90,7 @@ fn error_at(curve: &[[f64; 2]], time: f64) -> Option<f64> {
     Some(e0 + (e1 - e0) * (time - t0) / (t1 - t0))
 }
 
-/// The time at which a curve first has this error, in logarithms.
+/// Returns the time at which a curve first has this error, in logarithms.
 fn time_at(curve: &[[f64; 2]], error: f64) -> f64 {
     let reached = curve.iter().position(|point| point[1] <= error);
     match reached {
@@ -111,7 +111,8 @@ fn time_at(curve: &[[f64; 2]], error: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// `speed` times as fast as one second a pass with an error of `noise`; seeds differ by a few per cent.
+    /// Returns a curve `speed` times as fast as one second a pass with an error of `noise`; seeds differ by a few
+    /// per cent.
     fn curve(speed: f64, noise: f64, levels: u32) -> ErrorCurve {
         ErrorCurve::new((0..levels).map(|level| {
             let samples = f64::from(1 << level);
@@ -122,74 +123,61 @@ mod tests {
         }))
     }
 
-    fn ratio(curve: &ErrorCurve, default: &ErrorCurve) -> f64 {
-        curve.time_to_last_error_over(default).median
+    /// Returns a curve of one level, from seconds and errors by seed.
+    fn point(seconds: &[f64], errors: &[f64]) -> ErrorCurve {
+        ErrorCurve::new([(seconds.to_vec(), errors.to_vec())].into_iter())
     }
 
     #[test]
-    fn twice_as_fast_is_half_the_time_to_equal_error() {
-        let (slow, fast) = (curve(1.0, 1.0, 5), curve(2.0, 1.0, 5));
-        assert!((ratio(&slow, &fast) - 2.0).abs() < 1e-9);
-        assert!((ratio(&fast, &slow) - 0.5).abs() < 1e-9);
-        assert!((ratio(&curve(1.0, 2.0, 5), &slow) - 4.0).abs() < 1e-9, "error counts squared");
-    }
-
-    #[test]
-    fn curve_is_extrapolated_with_the_root_of_time() {
-        let (rough, fine) = (curve(1.0, 1.0, 2), curve(1.0, 1.0, 6));
-        // Sixteen times the samples of the last point, and a sixteenth of those of the first.
-        assert!((ratio(&fine, &rough) - 1.0).abs() < 1e-9);
-        // Twice as fast, but with errors that fall faster than the root of time after the other's last point.
-        let steep = ErrorCurve::new(
-            [(1.0, 1.0), (2.0, 0.5f64.sqrt()), (4.0, 0.1)].map(|(t, e)| (vec![t / 2.0], vec![e])).into_iter(),
-        );
-        assert!((ratio(&steep, &rough) - 0.5).abs() < 1e-9);
-        assert!((ratio(&curve(1.0, 4.0, 1), &fine) - 16.0).abs() < 1e-9);
-        let stays_below = |speed| fine.beats(&curve(speed, 1.0, 12), 11);
+    fn time_to_equal_error_is_extrapolated_with_the_root_of_time() {
+        let steep = [(1.0, 1.0), (2.0, 0.5f64.sqrt()), (4.0, 0.1)].map(|(t, e)| (vec![t / 2.0], vec![e]));
+        for (ours, default, expected) in [
+            (curve(1.0, 1.0, 5), curve(2.0, 1.0, 5), 2.0),
+            (curve(2.0, 1.0, 5), curve(1.0, 1.0, 5), 0.5),
+            // The error counts squared.
+            (curve(1.0, 2.0, 5), curve(1.0, 1.0, 5), 4.0),
+            // Sixteen times the samples of the last point, and a sixteenth of those of the first.
+            (curve(1.0, 1.0, 6), curve(1.0, 1.0, 2), 1.0),
+            (curve(1.0, 4.0, 1), curve(1.0, 1.0, 6), 16.0),
+            // Twice as fast, with errors that fall faster than the root of time after the other's last point.
+            (ErrorCurve::new(steep.into_iter()), curve(1.0, 1.0, 2), 0.5),
+        ] {
+            let found = ours.time_to_last_error_over(&default).median;
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} instead of {expected}");
+        }
+        let stays_below = |speed| curve(1.0, 1.0, 6).beats(&curve(speed, 1.0, 12), 11);
         assert!(stays_below(0.99) && !stays_below(1.01));
     }
 
     #[test]
     fn curve_is_a_line_of_logarithms_between_points() {
-        let between = ErrorCurve::new([(vec![2.9; 3], vec![3.0f64.sqrt().recip(); 3])].into_iter());
+        let between = point(&[2.9; 3], &[3.0f64.sqrt().recip(); 3]);
         assert!(!curve(1.0, 1.0, 6).beats(&between, 0) && curve(1.1, 1.0, 6).beats(&between, 0));
     }
 
     #[test]
-    fn nine_of_ten_seeds_are_enough_and_eight_are_not() {
-        let of = |worse: usize| {
-            let errors = (0..10).map(|seed| if seed < worse { 2.0 } else { 0.5 }).collect();
-            ErrorCurve::new([(vec![1.0; 10], errors)].into_iter())
-        };
-        let one = ErrorCurve::new([(vec![1.0; 10], vec![1.0; 10])].into_iter());
-        assert_eq!(one.dominated_by(&[("nine", &of(1))]), Some("nine"));
-        assert_eq!(one.dominated_by(&[("eight", &of(2))]), None);
-    }
-
-    #[test]
-    fn slower_at_the_same_error_is_dominated_although_measured_longer() {
-        let (slow, fast) = (curve(1.0, 1.0, 8), curve(3.0, 1.0, 3));
-        assert_eq!(slow.dominated_by(&[("fast", &fast)]), Some("fast"));
-        assert_eq!(fast.dominated_by(&[("slow", &slow)]), None);
-        assert!(fast.beats(&slow, 7) && !slow.beats(&fast, 2));
-    }
-
-    #[test]
-    fn first_or_lower_at_the_end_is_not_dominated() {
+    fn dominated_is_what_another_beats_at_every_level_for_nine_of_ten_seeds() {
+        let other =
+            |worse: usize| point(&[1.0; 10], &[&vec![2.0; worse][..], &vec![0.5; 10 - worse]].concat());
+        let early = point(&[0.1; 3], &[0.5; 3]);
         // A quick start with much noise, and a slow start with little.
         let (quick, good) = (curve(8.0, 4.0, 6), curve(1.0, 1.0, 6));
-        assert_eq!(quick.dominated_by(&[("good", &good)]), None, "before the first sample of the other");
-        assert_eq!(good.dominated_by(&[("quick", &quick)]), None);
-        // One seed of three is on the other side.
-        let jitter = ErrorCurve::new([(vec![1.0, 1.02, 0.99], vec![1.0, 1.0, 1.0])].into_iter());
-        let other = ErrorCurve::new([(vec![0.995, 0.99, 1.0], vec![1.0, 1.0, 1.0])].into_iter());
-        assert_eq!(jitter.dominated_by(&[("other", &other)]), None, "one seed of three says otherwise");
-    }
-
-    #[test]
-    fn each_point_may_be_beaten_by_another() {
-        let middle = curve(1.0, 1.0, 6);
-        let early = ErrorCurve::new([(vec![0.1; 3], vec![0.5; 3])].into_iter());
-        assert_eq!(middle.dominated_by(&[("early", &early)]), Some("early"));
+        let (slow, fast) = (curve(1.0, 1.0, 8), curve(3.0, 1.0, 3));
+        let ten = point(&[1.0; 10], &[1.0; 10]);
+        let one_of_three = point(&[0.995, 0.99, 1.0], &[1.0; 3]);
+        for (ours, others, expected) in [
+            (&ten, &[("nine", &other(1))][..], Some("nine")),
+            (&ten, &[("eight", &other(2))], None),
+            // Measured longer, and slower at the same error.
+            (&slow, &[("fast", &fast)], Some("fast")),
+            (&fast, &[("slow", &slow)], None),
+            (&quick, &[("good", &good)], None),
+            (&good, &[("quick", &quick)], None),
+            (&point(&[1.0, 1.02, 0.99], &[1.0; 3]), &[("other", &one_of_three)], None),
+            (&good, &[("early", &early)], Some("early")),
+        ] {
+            assert_eq!(ours.dominated_by(others), expected, "{:?}", others[0].0);
+        }
+        assert!(fast.beats(&slow, 7) && !slow.beats(&fast, 2));
     }
 }

@@ -37,16 +37,16 @@ const MOST_REPEATS: usize = 9;
 const FEWEST_POINTS: usize = 3;
 
 /// One number of samples of one configuration.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Point {
     /// Samples per pixel: mean over picture and seeds.
     pub samples: f64,
     /// Seconds on one thread, by the clock that decides: rendering alone, without loading, building or
     /// encoding.
     pub seconds: Spread,
-    /// By the clock on the wall.
+    /// Wall time.
     pub wall_s: Spread,
-    /// Of the thread's own processor time.
+    /// Processor time of the thread.
     pub processor_s: Spread,
     /// Root mean square error, in radiance.
     pub rmse: Spread,
@@ -61,13 +61,13 @@ pub struct Point {
 }
 
 /// A line of the chart.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Line {
     /// Its name.
     pub configuration: &'static str,
     /// `None` for the default.
     pub group: Option<Group>,
-    /// By rising samples; adaptive configurations by falling target error.
+    /// Points by rising samples; adaptive configurations by falling target error.
     pub points: Vec<Point>,
     /// Whether its methods are the robust ones. One that is not robust dominates no other.
     pub robust: bool,
@@ -79,13 +79,14 @@ pub struct Line {
     /// The configuration that is better in time and error at every point of this one, beyond the spread of
     /// the seeds. If only several together are, the best of them at the last point.
     pub dominated_by: Option<&'static str>,
-    /// Of its comparison with the others, which by [`Clock::Processor`] is not wrong for a busy machine.
+    /// Reliability of the comparison with the others. With [`Clock::Processor`], a busy machine does not make
+    /// it wrong.
     #[serde(flatten)]
     pub reliability: Reliability,
 }
 
 impl Line {
-    /// Whether pictures differ that must not.
+    /// Tests whether pictures differ that must not.
     pub fn is_broken(&self) -> bool {
         self.pictures_unlike_default.is_some_and(|count| count > 0)
     }
@@ -98,7 +99,7 @@ struct Level {
     times: Times,
     errors: Vec<Errors>,
     flip: Vec<f64>,
-    /// Of each seed's picture.
+    /// Hash of each seed's picture.
     hashes: Vec<u64>,
 }
 
@@ -233,7 +234,7 @@ fn median_time(film: &mut Film, mut change: impl FnMut(&mut Film) -> [f64; 2]) -
     [0, 1].map(|clock| Quantiles::of(by(&times, clock)).median())
 }
 
-/// Seconds of one pass: those of the last point, over its samples.
+/// Returns the seconds of one pass: those of the last point, over its samples.
 pub fn pass_time(line: &Line) -> f64 {
     line.points.last().map_or(f64::NAN, |point| point.seconds.median / point.samples)
 }
@@ -247,7 +248,7 @@ fn to_target(renderer: &Renderer, target: &Target) -> Film {
     film
 }
 
-/// The clock that decides, and the lines of all runs; the first run is the default.
+/// Returns the clock that decides, and the lines of all runs; the first run is the default.
 fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
     let clock = Clock::of(runs.iter().flat_map(|run| run.levels.iter().map(|level| &level.times)));
     let curves: Vec<ErrorCurve> = runs.iter().map(|run| run.curve(clock)).collect();
@@ -303,7 +304,7 @@ impl Run<'_> {
         ErrorCurve::new(self.levels.iter().map(|level| (level.times.by(clock), rmse(level))))
     }
 
-    /// Of its last point, with enough before it.
+    /// Returns the reliability of the last point, if enough points precede it.
     fn reliability(&self, clock: Clock) -> Reliability {
         self.levels[self.levels.len() - 1].times.reliability(clock, self.levels.len() >= FEWEST_POINTS)
     }
@@ -311,75 +312,12 @@ impl Run<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::configurations::{DEFAULT, of_scene};
     use super::super::ground_truth::GroundTruthRenderer;
     use super::*;
     use crate::render::Settings;
     use crate::render::SphereChoice;
 
-    #[test]
-    fn errors_fall_and_equal_configurations_have_equal_bits() {
-        let scene = octray_formats::scene::load("builtin:cornell").unwrap();
-        let frame = Settings { resolution: [48, 27], ..Settings::of(&scene) };
-        let ground_truth = GroundTruthRenderer::new(&scene, frame, 1).render(800);
-        let configurations = of_scene(&scene, Settings { resolution: [16, 9], ..frame });
-        // The samples of the ground truth end it, not the time.
-        let hour = Instant::now() + Duration::from_secs(3_600);
-        let (_, lines) = measure(&scene, &configurations, &ground_truth, 3, hour);
-        assert_eq!(lines[0].configuration, DEFAULT);
-        let one = Spread { median: 1.0, p10: 1.0, p90: 1.0 };
-        assert_eq!(lines[0].time_to_equal_error, one);
-        for line in &lines {
-            assert!(line.pictures_unlike_default.is_none_or(|count| count == 0), "{line:?}");
-            assert!(!line.points.is_empty(), "{line:?}");
-        }
-        let named = |name| lines.iter().find(|line| line.configuration == name).unwrap();
-        assert!(named("scalar").pictures_unlike_default.is_some());
-        let default = &lines[0].points;
-        assert_eq!(default[0].samples, 1.0);
-        for line in &lines {
-            assert!(line.points.is_sorted_by(|a, b| a.samples < b.samples), "{line:?}");
-        }
-        assert!(default.len() > 3);
-        for pair in default.windows(2) {
-            assert!(
-                pair[1].samples == 2.0 * pair[0].samples && pair[1].seconds.median > pair[0].seconds.median
-            );
-        }
-        let (first, last) = (&default[0], &default[default.len() - 1]);
-        assert!(last.rmse.median < 0.7 * first.rmse.median && last.flip.median < first.flip.median);
-        let off = named("no next event estimation");
-        assert!(
-            off.points[0].rmse.median > 1.5 * first.rmse.median,
-            "without light sampling, emitters are hard to hit"
-        );
-        assert!(off.points[3].rmse.median > 1.5 * default[3].rmse.median, "{off:?}");
-    }
-
-    /// A change that is slow the first time, as with cold caches.
-    #[test]
-    fn short_parts_are_timed_until_one_delay_does_not_count() {
-        let scene = octray_formats::scene::load("builtin:three").unwrap();
-        let renderer = Renderer::new(&scene, Settings { resolution: [8, 8], ..Settings::of(&scene) });
-        let (mut film, mut times) = (renderer.film(), 0);
-        let mut changed = |film: &mut Film| {
-            renderer.add_samples(film, 3);
-            times += 1;
-            if times == 1 { [500e-6, 40e-6] } else { [20e-6, 10e-6] }
-        };
-        assert_eq!(median_time(&mut film, &mut changed), [20e-6, 10e-6]);
-        assert_eq!(film.samples(), 3, "repeats leave the film as one change does");
-        assert!(times > 2, "{times} times");
-        let (mut times, long) = (0, SHORT.as_secs_f64());
-        let mut take_long = |_: &mut Film| {
-            times += 1;
-            [long; 2]
-        };
-        assert_eq!(median_time(&mut film, &mut take_long), [long; 2]);
-        assert_eq!(times, 1, "a long part is timed once");
-    }
-
-    /// The lines of a slow and of a fast configuration that give one picture, with doctored times:
+    /// Returns the lines of a slow and of a fast configuration that give one picture, with doctored times:
     /// `times(seconds)` are those of the three seeds. The fast one is robust or not.
     fn doctored(robust: bool, times: impl Fn(f64) -> [[f64; 2]; 3]) -> (Clock, Vec<Line>) {
         let scene = octray_formats::scene::load("builtin:three").unwrap();

@@ -7,7 +7,8 @@
 pub struct Kernel(Vec<f32>);
 
 impl Kernel {
-    /// `weight(x)` at the integers x within `radius`, times `scale(weight, sum of weights)`.
+    /// Builds a kernel of `weight(x)` at the integers x within `radius`, times `scale(weight, sum of
+    /// weights)`.
     fn new(radius: usize, weight: impl Fn(f64) -> f64, scale: impl Fn(f64, f64) -> f64) -> Self {
         let radius = radius as i32;
         let weights: Vec<f64> = (-radius..=radius).map(|x| weight(f64::from(x))).collect();
@@ -15,13 +16,14 @@ impl Kernel {
         let scaled = weights.iter().map(|&weight| (weight * scale(weight, sum)) as f32);
         Self(scaled.collect())
     }
-    /// Weights that sum to 1, without the ends that are below f32's resolution of the middle one.
+    /// Builds a kernel whose weights sum to 1, without the ends that are below f32's resolution of the middle
+    /// one.
     pub fn blur(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
         let (middle, resolution) = (weight(0.0), f64::from(f32::EPSILON) / 16.0);
         let needed = (0..=radius).rev().find(|&x| weight(x as f64) > middle * resolution);
         Self::new(needed.unwrap_or(0), weight, |_, sum| 1.0 / sum)
     }
-    /// Positive weights sum to 1, negative ones to −1.
+    /// Builds a kernel whose positive weights sum to 1 and whose negative ones sum to −1.
     pub fn difference(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
         let sums = |sign: f64| -> f64 {
             let radius = radius as i32;
@@ -35,12 +37,12 @@ impl Kernel {
     }
 }
 
-/// `sum += weight · values`, element by element.
+/// Adds `weight · values` to `sum`, element by element.
 fn add(sum: &mut [f32], weight: f32, values: &[f32]) {
     sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
 }
 
-/// The picture filtered along its rows of `width` pixels, by each kernel.
+/// Returns the picture filtered along its rows of `width` pixels, by each kernel.
 pub fn rows<const N: usize>(values: &[f32], width: usize, kernels: [&Kernel; N]) -> [Vec<f32>; N] {
     let radius = kernels.iter().map(|kernel| kernel.radius()).max().unwrap_or(0);
     let mut padded = vec![0.0; width + 2 * radius];
@@ -59,7 +61,7 @@ pub fn rows<const N: usize>(values: &[f32], width: usize, kernels: [&Kernel; N])
     filtered
 }
 
-/// The picture filtered along its columns.
+/// Returns the picture filtered along its columns.
 pub fn columns(values: &[f32], width: usize, kernel: &Kernel) -> Vec<f32> {
     let (height, radius) = (values.len() / width, kernel.radius());
     let mut filtered = vec![0.0; values.len()];

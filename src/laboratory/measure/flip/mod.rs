@@ -48,19 +48,19 @@ pub struct Flip {
 }
 
 impl Flip {
-    /// With the default tone mapping, at [`PIXELS_PER_DEGREE`].
+    /// Prepares a picture with the default tone mapping, at [`PIXELS_PER_DEGREE`].
     pub fn of(reference: &Picture) -> Self {
         Self::with(reference, Tone::default(), PIXELS_PER_DEGREE)
     }
 
-    /// With this tone mapping and this many pixels per degree of the field of view.
+    /// Prepares a picture with this tone mapping and this many pixels per degree of the field of view.
     pub fn with(reference: &Picture, tone: Tone, pixels_per_degree: f64) -> Self {
         let eye = Eye::at(pixels_per_degree);
         Self { tone, reference: eye.filter(reference, &tone), eye }
     }
 
-    /// The mean difference of the pixels: 0 for equal pictures, 1 for green against blue. It is that of their
-    /// .png files, at eight bits a channel.
+    /// Returns the mean difference of the pixels: 0 for equal pictures, 1 for green against blue. It is that
+    /// of their .png files, at eight bits a channel.
     ///
     /// # Panics
     /// If the pictures differ in size.
@@ -127,7 +127,7 @@ impl Eye {
         }
     }
 
-    /// Steps 1 and 2 for one picture.
+    /// Applies steps 1 and 2 to one picture.
     fn filter(&self, picture: &Picture, tone: &Tone) -> Filtered {
         let width = picture.width as usize;
         let [luminance, red_green, blue_yellow] = opponents(&tone.bytes(picture));
@@ -150,8 +150,8 @@ impl Eye {
         }
     }
 
-    /// Strength of edges and of points at each pixel (section 4.2): the length of the vector of the
-    /// derivative filter in x and in y, each blurred in the other direction.
+    /// Returns the strength of edges and of points at each pixel (section 4.2): the length of the vector of
+    /// the derivative filter in x and in y, each blurred in the other direction.
     fn features(&self, luminance: &[f32], width: usize) -> [Vec<f32>; 2] {
         let [bell, edge, point] = &self.feature;
         let [blurred, edges, points] = rows(luminance, width, [bell, edge, point]);
@@ -175,8 +175,8 @@ static WHITE_XYZ: LazyLock<DMat3> = LazyLock::new(|| {
 static FROM_RGB: LazyLock<glam::Mat3> = LazyLock::new(|| WHITE_XYZ.as_mat3());
 static TO_RGB: LazyLock<glam::Mat3> = LazyLock::new(|| WHITE_XYZ.inverse().as_mat3());
 
-/// Y, X − Y and Y − Z of each pixel, white being (1, 1, 1): the paper's YCxCz is (116 Y − 16, 500 (X − Y),
-/// 200 (Y − Z)).
+/// Returns Y, X − Y and Y − Z of each pixel, white being (1, 1, 1): the paper's YCxCz is (116 Y − 16, 500 (X
+/// − Y), 200 (Y − Z)).
 fn opponents(bytes: &[u8]) -> [Vec<f32>; 3] {
     static LINEAR: LazyLock<[f32; 256]> =
         LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0) as f32));
@@ -190,15 +190,15 @@ fn opponents(bytes: &[u8]) -> [Vec<f32>; 3] {
     channels
 }
 
-/// From blurred opponent colours to L*a*b* with the Hunt effect. Colours outside the screen's gamut are
+/// Converts blurred opponent colours to L*a*b* with the Hunt effect. Colours outside the screen's gamut are
 /// clamped.
 fn perceived([luminance, red_green, blue_yellow]: [f32; 3]) -> Vec3 {
     let xyz = Vec3::new(luminance + red_green, luminance, luminance - blue_yellow);
     hunt(*FROM_RGB * (*TO_RGB * xyz).clamp(Vec3::ZERO, Vec3::ONE))
 }
 
-/// L*a*b* of a colour over white (CIE 15), with chroma times lightness, the Hunt effect: brighter colours
-/// look more colourful (section 4.1).
+/// Converts a colour over white to L*a*b* (CIE 15), with chroma times lightness, the Hunt effect: brighter
+/// colours look more colourful (section 4.1).
 fn hunt(xyz: Vec3) -> Vec3 {
     // Below (6/29)³, the tangent of the cube root.
     const DELTA: f32 = 6.0 / 29.0;
@@ -210,9 +210,9 @@ fn hunt(xyz: Vec3) -> Vec3 {
     Vec3::new(lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z))
 }
 
-/// HyAB: the difference in lightness plus the Euclidean distance in chroma. Source: Abasi, Amani Tehran,
-/// Fairchild, "Distance metrics for very large color differences", Color Research and Application 45(2),
-/// 2020.
+/// Returns the HyAB distance: the difference in lightness plus the Euclidean distance in chroma. Source:
+/// Abasi, Amani Tehran, Fairchild, "Distance metrics for very large color differences", Color Research and
+/// Application 45(2), 2020.
 fn hyab(a: Vec3, b: Vec3) -> f32 {
     let apart = a - b;
     apart.x.abs() + apart.y.hypot(apart.z)

@@ -71,7 +71,7 @@ pub struct Cuboid {
 }
 
 impl Cuboid {
-    /// A box of random size and place within ±`scale`; some are flat.
+    /// Returns a box of random size and place within ±`scale`; some are flat.
     pub fn random(rng: &mut Rng, scale: f64) -> Self {
         let center = rng.in_cube() * scale;
         let half = DVec3::from_array([(); 3].map(|()| match rng.index(5) {
@@ -80,12 +80,12 @@ impl Cuboid {
         }));
         Self { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() }
     }
-    /// The largest absolute coordinate.
+    /// Returns the largest absolute coordinate.
     pub fn extent(&self) -> f32 {
         self.lo.abs().max(self.hi.abs()).max_element()
     }
-    /// A corner, or a point of an edge, a face or the inside: in each axis on the lower plane, on the upper
-    /// one, or between.
+    /// Returns a corner, or a point of an edge, a face or the inside: in each axis on the lower plane, on the
+    /// upper one, or between.
     pub(crate) fn point(&self, rng: &mut Rng) -> DVec3 {
         let (lo, hi) = (self.lo.as_dvec3(), self.hi.as_dvec3());
         let share = DVec3::from_array([(); 3].map(|()| match rng.index(3) {
@@ -99,14 +99,14 @@ impl Cuboid {
         let share = DVec3::from_array([(); 3].map(|()| rng.index(2) as f64));
         self.lo.as_dvec3() + (self.hi.as_dvec3() - self.lo.as_dvec3()) * share
     }
-    /// Lower and upper corner in f64, moved outwards by `by`.
+    /// Returns the lower and the upper corner in f64, moved outwards by `by`.
     pub fn grown(&self, by: f64) -> (DVec3, DVec3) {
         (self.lo.as_dvec3() - by, self.hi.as_dvec3() + by)
     }
 }
 
-/// The interval of t inside the box; the first is above the second for a miss. In f64, where differences of
-/// f32 numbers of similar size are exact.
+/// Returns the interval of t inside the box; the first is above the second for a miss. In f64, where
+/// differences of f32 numbers of similar size are exact.
 pub fn reference_interval((lo, hi): (DVec3, DVec3), ray: &Ray<f32>) -> (f64, f64) {
     let (origin, direction) = to_f64(ray);
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -124,13 +124,13 @@ pub fn reference_interval((lo, hi): (DVec3, DVec3), ray: &Ray<f32>) -> (f64, f64
     (near, far)
 }
 
-/// Whether the ray hits the box between these corners, in front of its origin.
+/// Tests whether the ray hits the box between these corners, in front of its origin.
 pub fn meets(corners: (DVec3, DVec3), ray: &Ray<f32>) -> bool {
     let (enter, leave) = reference_interval(corners, ray);
     enter <= leave && leave >= 0.0
 }
 
-/// The padding that the default method gives a box, in scene units along each axis: see
+/// Returns the padding that the default method gives a box, in scene units along each axis: see
 /// [`crate::kernel::ray_box::BoxRay::new`].
 pub fn padding(cuboid: &Cuboid, origin: Vec3) -> f64 {
     f64::from(origin.abs().max_element() + cuboid.extent()) * 0.5f64.powi(21)
@@ -140,8 +140,8 @@ pub fn padding(cuboid: &Cuboid, origin: Vec3) -> f64 {
 const AWKWARD: [f32; 10] =
     [0.0, -0.0, 1e-17, -1e-17, 1e-18, -1e-19, 1e-40, -1e-40, f32::from_bits(1), -1e-30];
 
-/// A ray towards a point of the box, often a corner or a point of an edge; often with components near zero,
-/// and then often in the plane of a face.
+/// Returns a ray towards a point of the box, often a corner or a point of an edge; often with components near
+/// zero, and then often in the plane of a face.
 pub fn aimed(rng: &mut Rng, cuboid: &Cuboid, scale: f64) -> Ray<f32> {
     let target = cuboid.point(rng);
     let mut origin = match rng.index(4) {
@@ -161,8 +161,8 @@ pub fn aimed(rng: &mut Rng, cuboid: &Cuboid, scale: f64) -> Ray<f32> {
     ray(origin, direction)
 }
 
-/// A ray that misses the box by at least `by` paddings, and hardly by more than three times as many; `None`
-/// if the random ray does not.
+/// Returns a ray that misses the box by at least `by` paddings, and hardly by more than three times as many;
+/// `None` if the random ray does not.
 pub fn passing(rng: &mut Rng, cuboid: &Cuboid, scale: f64, by: f64) -> Option<Ray<f32>> {
     let origin = (rng.in_cube() * (4.0 * scale)).as_vec3();
     let padding = padding(cuboid, origin);
@@ -176,7 +176,7 @@ pub fn passing(rng: &mut Rng, cuboid: &Cuboid, scale: f64, by: f64) -> Option<Ra
 /// The t at which a ray enters a box by one method; `None` for a miss.
 type Entry = fn(&Cuboid, &Ray<f32>) -> Option<f32>;
 
-/// The t at which the ray enters the box by method `B`; `None` for a miss.
+/// Returns the t at which the ray enters the box by method `B`; `None` for a miss.
 fn entry<B: BoxMethod>(cuboid: &Cuboid, ray: &Ray<f32>) -> Option<f32> {
     let precalculated = B::precalculate(ray, Padding::new(cuboid.extent()));
     let (near, far) = B::pass(&precalculated, math::Vec3::splat(cuboid.lo), math::Vec3::splat(cuboid.hi));
@@ -190,7 +190,7 @@ fn record_hit(counts: &mut FailureCounts, cuboid: &Cuboid, ray: &Ray<f32>, entry
     }
 }
 
-/// A box around `center` with edges from 0.1 to 1, and the halves of its edges.
+/// Returns a box around `center` with edges from 0.1 to 1, and the halves of its edges.
 fn around(rng: &mut Rng, center: DVec3) -> (Cuboid, DVec3) {
     let half = DVec3::from_array([(); 3].map(|()| 0.05 + 0.45 * rng.unit()));
     (Cuboid { lo: (center - half).as_vec3(), hi: (center + half).as_vec3() }, half)
@@ -210,7 +210,8 @@ fn at_corners(rng: &mut Rng, offset: f64, counts: &mut FailureCounts, entry: Ent
     }
 }
 
-/// The direction's component across the face is ±`across`; lower and upper faces of all axes.
+/// Tries rays along lower and upper faces of all axes, with a direction whose component across the face is
+/// ±`across`.
 fn along_faces(rng: &mut Rng, across: f64, counts: &mut FailureCounts, entry: Entry) {
     let center = rng.in_cube();
     let (cuboid, half) = around(rng, center);

@@ -55,7 +55,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
 
 const SIZE: [u32; 2] = [240, 135];
 
-/// Pixels per unit of the direction near the picture's corners, where rounding matters most.
+/// Returns the pixels per unit of the direction near the picture's corners, where rounding matters most.
 fn pixels_per_unit(degrees: f64) -> f64 {
     let half_height = (degrees.to_radians() / 2.0).tan();
     let half_width = half_height * f64::from(SIZE[0]) / f64::from(SIZE[1]);
@@ -69,8 +69,8 @@ fn pinhole(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     Pinhole::new(camera, SIZE).rays(x, y).direction.get(0)
 }
 
-/// In f32: width and height in pixels; forward, right and up; half of the picture's width and height at the
-/// distance 1.
+/// Returns, in f32: width and height in pixels; forward, right and up; half of the picture's width and height
+/// at the distance 1.
 fn frame(camera: &Camera) -> ([f32; 2], [glam::Vec3; 3], [f32; 2]) {
     let [width, height] = SIZE.map(|side| side as f32);
     let forward = (camera.look_at - camera.position).normalize();
@@ -80,7 +80,8 @@ fn frame(camera: &Camera) -> ([f32; 2], [glam::Vec3; 3], [f32; 2]) {
     ([width, height], [forward, right, up], [half_height * width / height, half_height])
 }
 
-/// As in Ray Tracing in One Weekend: the picture's corner and the point are world positions.
+/// Computes the direction as Ray Tracing in One Weekend does: the picture's corner and the point are world
+/// positions.
 fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
     let corner = camera.position + forward - right * half_width + up * half_height;
@@ -88,7 +89,7 @@ fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     (point - camera.position).normalize()
 }
 
-/// Relative to the camera's position, every step in f32.
+/// Computes the direction relative to the camera's position, every step in f32.
 fn in_single(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
     let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
@@ -123,7 +124,7 @@ fn views(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, view: View) {
     counts.record_error(if unit && (off < 0.5 || !resolved) { off } else { FAILED });
 }
 
-/// The same rays with a constant least t of 1e-4, a common way to avoid self-intersection.
+/// Traces the scene's camera rays with a constant least t of 1e-4, a common way to avoid self-intersection.
 fn beyond_least_t(scene: &Scene) -> Vec<PrimaryHit> {
     let nearest = |hit: PrimaryHit| {
         let ray = ray(hit.origin.into(), hit.direction.into());
@@ -142,7 +143,7 @@ fn beyond_least_t(scene: &Scene) -> Vec<PrimaryHit> {
     seen(scene, Methods::default(), 8).into_iter().map(nearest).collect()
 }
 
-/// Cameras in a ball or in a tilted box, away from the origin.
+/// Tries cameras in a ball or in a tilted box, away from the origin.
 fn inside(rng: &mut Rng, from_wall: f64, counts: &mut FailureCounts, find: fn(&Scene) -> Vec<PrimaryHit>) {
     let size = rng.scale(1e-3, 1e3);
     let center = rng.in_cube() * size;

@@ -99,7 +99,7 @@ type SampleSphere = fn(Vec3<f32>, f32, f32, f32) -> DirectionPdf;
 /// A direction towards a triangle or a parallelogram, from two random numbers.
 type SampleFlat = fn(FlatLight<f32>, f32, f32) -> DirectionPdf;
 
-/// Around the axis towards `center`.
+/// Returns a direction around the axis towards `center`.
 fn cone(center: Vec3<f32>, sin: f32, cos: f32, v: f32) -> Vec3<f32> {
     let axis = center.normalize();
     let (tangent, bitangent) = warp::orthonormal_basis(axis);
@@ -107,23 +107,23 @@ fn cone(center: Vec3<f32>, sin: f32, cos: f32, v: f32) -> Vec3<f32> {
     tangent.mul_add(sin * cos_around, bitangent.mul_add(sin * sin_around, axis * cos))
 }
 
-/// The textbook method: from the cosine of the cone's angle.
+/// Returns the textbook method: from the cosine of the cone's angle.
 fn cosine(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
     within_rim(center, (1.0 - radius * radius / center.dot(center)).sqrt(), u, v)
 }
 
-/// `cosine` without NaN.
+/// Variant of [`cosine`] without NaN.
 fn cosine_clamped(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
     within_rim(center, (1.0 - radius * radius / center.dot(center)).max(0.0).sqrt(), u, v)
 }
 
-/// In a cone whose rim has this cosine.
+/// Samples a direction in a cone whose rim has this cosine.
 fn within_rim(center: Vec3<f32>, rim: f32, u: f32, v: f32) -> DirectionPdf {
     let cos = 1.0 - u * (1.0 - rim);
     (cone(center, (1.0 - cos * cos).sqrt(), cos, v), 1.0 / (TAU * (1.0 - rim)))
 }
 
-/// The cosine, and below 1.5° the first term of its series.
+/// Returns the cosine, and below 1.5° the first term of its series.
 fn taylor(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
     let sin2 = radius * radius / center.dot(center);
     if sin2 >= 0.000_685_23 {
@@ -133,18 +133,18 @@ fn taylor(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
     (cone(center, sampled2.sqrt(), (1.0 - sampled2).sqrt(), v), 1.0 / (TAU * 0.5 * sin2))
 }
 
-/// The renderer's method.
+/// Returns the renderer's method.
 fn sine(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
     let LightSample { wi, pdf, .. } = light::sample_sphere(center, radius, u, v);
     (wi, pdf)
 }
 
-/// Two random numbers in [0, 1).
+/// Returns two random numbers in [0, 1).
 fn numbers(rng: &mut Rng) -> (f32, f32) {
     ((rng.bits() >> 8) as f32 / 16_777_216.0, (rng.bits() >> 8) as f32 / 16_777_216.0)
 }
 
-/// A sphere of random size, its centre `distance` radii away.
+/// Returns a sphere of random size, its centre `distance` radii away.
 fn ball(rng: &mut Rng, distance: f64) -> (Vec3<f32>, f32) {
     let radius = rng.scale(1e-3, 1e3);
     (Vec3::splat((rng.direction() * (radius * distance)).as_vec3()), radius as f32)
@@ -194,7 +194,7 @@ fn edge_on(rng: &mut Rng, height: f64) -> [DVec3; 3] {
     })
 }
 
-/// Solid angle as the sum of the angles less π.
+/// Computes the solid angle as the sum of the angles less π.
 fn angles(light: FlatLight<f32>, _: f32, _: f32) -> DirectionPdf {
     let corners = [light.a, light.a + light.ab, light.a + light.ac].map(Vec3::normalize);
     let sides = [0, 1, 2].map(|i| corners[i].cross(corners[(i + 1) % 3]).normalize());
@@ -202,7 +202,7 @@ fn angles(light: FlatLight<f32>, _: f32, _: f32) -> DirectionPdf {
     ((corners[0] + corners[1] + corners[2]).normalize(), 1.0 / (angle(0) + angle(1) + angle(2) - TAU / 2.0))
 }
 
-/// Solid angle from the tangent of its half (Van Oosterom, Strackee).
+/// Computes the solid angle from the tangent of its half (Van Oosterom, Strackee).
 fn determinant(light: FlatLight<f32>, _: f32, _: f32) -> DirectionPdf {
     let [a, b, c] = [light.a, light.a + light.ab, light.a + light.ac].map(Vec3::normalize);
     let volume = a.dot(b.cross(c)).abs();
@@ -210,13 +210,13 @@ fn determinant(light: FlatLight<f32>, _: f32, _: f32) -> DirectionPdf {
     ((a + b + c).normalize(), 1.0 / (2.0 * volume.atan2(sum)))
 }
 
-/// The renderer's method, for triangles and parallelograms.
+/// Returns the renderer's method, for triangles and parallelograms.
 fn whole_or_area(light: FlatLight<f32>, u: f32, v: f32) -> DirectionPdf {
     let LightSample { wi, pdf, .. } = light::sample_flat(&light, u, v);
     (wi, pdf)
 }
 
-/// The textbook's method for each half of a parallelogram.
+/// Returns the textbook's method for each half of a parallelogram.
 fn determinants(light: FlatLight<f32>, u: f32, v: f32) -> DirectionPdf {
     let FlatLight { a, ab, ac, .. } = light;
     let (wi, first) = determinant(light, u, v);

@@ -59,8 +59,8 @@ pub(super) fn test_cases() -> Vec<TestCase> {
     ]
 }
 
-/// A closed bumpy ball around the origin, star-shaped, of radius about 1: `4 · rows · rows` triangles or so,
-/// all vertices shared.
+/// Returns a closed bumpy ball around the origin, star-shaped, of radius about 1: `4 · rows · rows` triangles
+/// or so, all vertices shared.
 pub fn bumpy_ball(rows: usize) -> Vec<[Vec3; 3]> {
     let columns = 2 * rows;
     let vertex = |row: usize, column: usize| {
@@ -96,8 +96,8 @@ pub(crate) enum Target {
     Anywhere,
 }
 
-/// A ray from inside a mesh that holds the ball of radius 0.3 `size` around `center`, aimed at this triangle
-/// of it.
+/// Returns a ray from inside a mesh that holds the ball of radius 0.3 `size` around `center`, aimed at this
+/// triangle of it.
 fn from_within(rng: &mut Rng, triangle: [Vec3; 3], center: DVec3, size: f64, aimed_at: Target) -> Ray<f32> {
     let origin = (center + rng.in_cube() * (0.15 * size)).as_vec3();
     let triangle = triangle.map(|vertex| vertex.as_dvec3());
@@ -131,7 +131,7 @@ fn leaks<T: TriangleMethod>(
     let place = |vertex: Vec3| (vertex.as_dvec3() * size + center).as_vec3();
     let mesh: Vec<_> = MESH.iter().map(|corners| corners.map(place)).collect();
     let stored: Vec<T::Stored> = mesh.iter().map(|&vertices| T::store(vertices)).collect();
-    // Those of up to eight rays that hit none of these triangles.
+    // The rays, of up to eight, that hit none of these triangles.
     let missing = |rays: &[Ray<f32>], triangles: &mut dyn Iterator<Item = usize>| -> Vec<Ray<f32>> {
         let eight: [Ray<f32>; 8] = std::array::from_fn(|lane| rays[lane % rays.len()]);
         let precalculated = T::precalculate(&Ray::<F32x8>::from_lanes(&eight));

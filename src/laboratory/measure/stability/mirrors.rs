@@ -45,19 +45,19 @@ struct Wall {
 /// The origin of the next ray from the last ray, its hit, and the normal on its side.
 type Start = fn(&Ray<f32>, &TriangleHit<f32>, &Wall, Vec3<f32>) -> Vec3<f32>;
 
-/// o + t d, which needs a least t.
+/// Returns o + t d, which needs a least t.
 fn along_ray(ray: &Ray<f32>, hit: &TriangleHit<f32>, _: &Wall, _: Vec3<f32>) -> Vec3<f32> {
     ray.at(hit.t)
 }
 
-/// The renderer's: the point of the barycentric weights, offset by its error bound.
+/// Returns the renderer's: the point of the barycentric weights, offset by its error bound.
 fn off_surface(_: &Ray<f32>, hit: &TriangleHit<f32>, wall: &Wall, normal: Vec3<f32>) -> Vec3<f32> {
     let [a, b, c] = wall.vertices;
     normal.mul_add(wall.offset, (b - a).mul_add(hit.u, (c - a).mul_add(hit.v, a)))
 }
 
-/// A room up to three of its sizes from the origin. `mend`: reflections until a direction is normalised
-/// again.
+/// Follows a ray in a room up to three of its sizes from the origin. `mend`: reflections until a direction is
+/// normalised again.
 fn room(rng: &mut Rng, reflections: f64, counts: &mut FailureCounts, (start, mend): (Start, u32)) {
     let size = rng.scale(0.1, 10.0);
     let center = rng.in_cube() * (3.0 * size);
@@ -82,7 +82,7 @@ fn room(rng: &mut Rng, reflections: f64, counts: &mut FailureCounts, (start, men
     }
 }
 
-/// The ray after these reflections; `None` if it leaks out of the room.
+/// Returns the ray after these reflections; `None` if it leaks out of the room.
 fn follow(mut ray: Ray<f32>, walls: &[Wall], reflections: u32, start: Start, mend: u32) -> Option<Ray<f32>> {
     for number in 1..=reflections {
         let precalculated = Woop::precalculate(&ray);

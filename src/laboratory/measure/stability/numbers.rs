@@ -104,7 +104,7 @@ fn kahan(block: &[f32], times: usize) -> (f64, u64) {
     (f64::from(sum), 0)
 }
 
-/// The film: a tile of one pixel.
+/// Returns the film: a tile of one pixel.
 fn on_film(block: &[f32], times: usize) -> (f64, u64) {
     let mut sums = TileSums::new(Tile { number: 0, x: 0, y: 0, width: 1, height: 1 });
     repeated(block, times).for_each(|x| sums.add([&[x; NATIVE_WIDTH]; 3]));

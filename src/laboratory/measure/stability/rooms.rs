@@ -44,8 +44,8 @@ enum Leaving {
 /// The floor plan of a room in the shape of an L, as a fan around its first corner.
 const PLAN: [[f64; 2]; 6] = [[0.0, 0.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 0.0]];
 
-/// A closed room in the shape of an L, 2 units large and turned at random: its triangles, and a point in each
-/// of its arms.
+/// Returns a closed room in the shape of an L, 2 units large and turned at random: its triangles, and a point
+/// in each of its arms.
 pub fn room(rng: &mut Rng, distance: f64) -> (Vec<[Vec3; 3]>, [Vec3; 2]) {
     let turn = DMat3::from_axis_angle(rng.direction(), 6.0 * rng.unit());
     let center = rng.direction() * distance;
@@ -62,7 +62,8 @@ pub fn room(rng: &mut Rng, distance: f64) -> (Vec<[Vec3; 3]>, [Vec3; 2]) {
     (triangles, [place([-0.5, 0.6], 0.1), place([0.6, -0.5], -0.2)])
 }
 
-/// Whether a closed mesh surrounds a point: the solid angles of its triangles, 0 in sum outside, ±4π inside.
+/// Tests whether a closed mesh surrounds a point: the solid angles of its triangles, 0 in sum outside, ±4π
+/// inside.
 ///
 /// Source: Van Oosterom, Strackee, "The Solid Angle of a Plane Triangle", IEEE Transactions on Biomedical
 /// Engineering 30(2), 1983.

@@ -75,19 +75,20 @@ pub(super) fn test_cases() -> Vec<TestCase> {
                     }),
                 ],
             ),
-            // As much as renderers may differ by.
+            // The difference between renderers that is accepted.
             bound: |_| Bound::error(0.03),
         },
     ]
 }
 
-/// The numbers u and v from which [`warp::sample_uniform_sphere`] computes this unit vector, up to rounding.
+/// Returns the numbers u and v from which [`warp::sample_uniform_sphere`] computes this unit vector, up to
+/// rounding.
 fn numbers(v: DVec3) -> (f32, f32) {
     let below_one = |x: f64| (x as f32).min(BELOW_ONE);
     (below_one(0.5 - 0.5 * v.z), below_one((v.y.atan2(v.x) / TAU).rem_euclid(1.0)))
 }
 
-/// Half of the normals are axis-aligned, where cancellation is exact.
+/// Tries normals of which half are axis-aligned, where cancellation is exact.
 fn opposite(
     rng: &mut Rng,
     apart: f64,
@@ -103,7 +104,7 @@ fn opposite(
     counts.record(direction.as_dvec3().dot(n) <= 0.0 || !direction.is_finite());
 }
 
-/// The geometric normal and a shading normal.
+/// Returns the geometric normal and a shading normal.
 fn tilted(rng: &mut Rng, degrees: f64) -> [Vec3<f32>; 2] {
     let ng = rng.direction();
     let across = ng.cross(rng.direction()).normalize();
@@ -111,13 +112,13 @@ fn tilted(rng: &mut Rng, degrees: f64) -> [Vec3<f32>; 2] {
     [ng, ng * cos + across * sin].map(|normal| Vec3::splat(normal.as_vec3()))
 }
 
-/// The factor that darkens lights where the normals differ, down to 0 at the horizon.
+/// Returns the factor that darkens lights where the normals differ, down to 0 at the horizon.
 fn chiang(w: Vec3<f32>, ns: Vec3<f32>, ng: Vec3<f32>) -> f32 {
     let g = (w.dot(ng).max(0.0) / (w.dot(ns) * ns.dot(ng)).max(1e-12)).min(1.0);
     ((1.0 - g) * g + 1.0) * g
 }
 
-/// `ns`, bent towards `ng` until the mirror direction of `d` is above the surface: by half the sine at which
+/// Bends `ns` towards `ng` until the mirror direction of `d` is above the surface: by half the sine at which
 /// d arrives, at most 0.01.
 fn bend(d: Vec3<f32>, ns: Vec3<f32>, ng: Vec3<f32>) -> Vec3<f32> {
     let mirrored = d.reflect(ns);
@@ -129,15 +130,15 @@ fn absorbed(sample: BsdfSample<f32>, ng: Vec3<f32>) -> BsdfSample<f32> {
     BsdfSample { alive: sample.alive && sample.wi.dot(ng) > 0.0, ..sample }
 }
 
-/// Random numbers in the cells of a grid.
+/// Returns random numbers in the cells of a grid.
 fn stratified(rng: &mut Rng) -> Vec<(f32, f32)> {
     const SIDE: usize = 16;
     let mut within = |at: usize| (((at as f64 + rng.unit()) / SIDE as f64) as f32).min(BELOW_ONE);
     (0..SIDE * SIDE).map(|cell| (within(cell % SIDE), within(cell / SIDE))).collect()
 }
 
-/// `weight` is the weight of a direction, given the shading and the geometric normal; `None` where it is
-/// absorbed.
+/// Measures the light of a diffuse surface. `weight` is the weight of a direction, given the shading and the
+/// geometric normal; `None` where it is absorbed.
 fn diffuse_light(
     rng: &mut Rng,
     degrees: f64,

@@ -46,7 +46,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
     ]
 }
 
-/// No primitive, and one diffuse material.
+/// Returns a scene without primitives, with one diffuse material.
 pub fn empty() -> Scene {
     let diffuse = Material::new("diffuse", MaterialKind::Diffuse, Vec3::ONE);
     Scene {
@@ -64,7 +64,7 @@ pub fn triangle(vertices: [Vec3; 3]) -> Triangle {
     Triangle { vertices, material: 0 }
 }
 
-/// The scene's camera rays and their hits.
+/// Returns the scene's camera rays and their hits.
 pub fn seen(scene: &Scene, methods: Methods, lanes: usize) -> Vec<PrimaryHit> {
     Renderer::new(scene, Settings { methods, lanes, ..Settings::of(scene) }).primary_hits(0)
 }
@@ -73,7 +73,7 @@ pub fn seen(scene: &Scene, methods: Methods, lanes: usize) -> Vec<PrimaryHit> {
 /// radii to the eye are the error of the distance at which a ray passes the centre.
 const SILHOUETTE: f32 = 1e-3;
 
-/// The small ball fills the picture's height, down to its contact with the huge one.
+/// Tries a view in which the small ball fills the picture's height, down to its contact with the huge one.
 fn mixed(rng: &mut Rng, ratio: f64, counts: &mut FailureCounts, methods: Methods) {
     let small = rng.scale(1e-3, 1.0);
     let (up, contact) = (rng.direction(), rng.in_cube() * small);
@@ -96,7 +96,7 @@ fn mixed(rng: &mut Rng, ratio: f64, counts: &mut FailureCounts, methods: Methods
     }
 }
 
-/// A sphere of the first material.
+/// Returns a sphere of the first material.
 pub fn sphere(center: Vec3, radius: f32) -> Sphere {
     Sphere { center, radius, material: 0, texture_turn: 0.0, texture_side: Side::Outside }
 }
@@ -115,7 +115,7 @@ fn wall(rng: &mut Rng, copies: f64) -> (Scene, Vec<usize>) {
     (Scene { triangles: order.iter().map(|&place| triangle(places[place])).collect(), ..empty() }, order)
 }
 
-/// Source: Knuth, The Art of Computer Programming vol. 2, algorithm P.
+/// Shuffles values. Source: Knuth, The Art of Computer Programming vol. 2, algorithm P.
 fn shuffle<T>(values: &mut [T], rng: &mut Rng) {
     for last in (1..values.len()).rev() {
         values.swap(last, rng.index(last + 1));
@@ -155,7 +155,7 @@ fn first_tested(rng: &mut Rng, scene: &Scene, rays: &[PrimaryHit]) -> Vec<u32> {
     rays.iter().map(answer).collect()
 }
 
-/// The renderer at a random width, with a random traversal.
+/// Returns the renderer at a random width, with a random traversal.
 fn renderer(rng: &mut Rng, scene: &Scene, _: &[PrimaryHit]) -> Vec<u32> {
     let traversals = [Traversal::Single, Traversal::Packet, Traversal::Stream, Traversal::Hybrid];
     let choices = [TraversalChoice::Linear, TraversalChoice::Through(traversals[rng.index(4)])];

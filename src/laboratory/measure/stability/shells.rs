@@ -87,7 +87,8 @@ pub fn leave_sphere(
     });
 }
 
-/// The origin of a ray that leaves a sphere where `arriving` hits it, and the unit normal on its side.
+/// Returns the origin of a ray that leaves a sphere where `arriving` hits it, and the unit normal on its
+/// side.
 fn spawn(ball: Ball, arriving: &Ray<f32>, side: Side, method: SpawnMethod) -> Option<(Vec3, Vec3)> {
     let along = arriving.at(intersect::<Robust>(ball, arriving, f32::INFINITY)?);
     let center = math::Vec3::splat(ball.center);
@@ -96,7 +97,7 @@ fn spawn(ball: Ball, arriving: &Ray<f32>, side: Side, method: SpawnMethod) -> Op
     Some((method.start(exact.get(0), along.get(0), n, sphere_offset(ball.center, ball.radius)), n))
 }
 
-/// Whether the hit lies beyond the middle of the ray's chord, computed from its actual origin.
+/// Tests whether the hit lies beyond the middle of the ray's chord, computed from its actual origin.
 fn far_side(ball: Ball, ray: &Ray<f32>, found: Option<f32>) -> bool {
     let (origin, d) = to_f64(ray);
     let f = origin - ball.center.as_dvec3();

@@ -16,7 +16,7 @@ use glam::Vec3;
 
 const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
 
-/// What the test cases of rays that leave a surface have in common.
+/// Returns the texts that test cases of rays that leave a surface have in common.
 pub(super) fn common() -> TestCase {
     TestCase { failure: "the ray hits the surface that it leaves", source: WAECHTER, ..TestCase::COMMON }
 }
@@ -94,12 +94,12 @@ pub(super) const SPAWN_METHODS: [Method<SpawnMethod>; 6] = {
 };
 
 impl SpawnMethod {
-    /// The renderer's, with this share of the offset.
+    /// Returns the renderer's, with this share of the offset.
     pub const fn share(share: f32) -> Self {
         Self { exact: true, share, constant: 0.0, t_min: 0.0 }
     }
-    /// The origin of the spawned ray, on the side of the unit vector `n`; `bound` is the surface's error
-    /// bound.
+    /// Returns the origin of the spawned ray, on the side of the unit vector `n`; `bound` is the surface's
+    /// error bound.
     pub(super) fn start(self, exact: Vec3, along: Vec3, n: Vec3, bound: f32) -> Vec3 {
         let point = if self.exact { exact } else { along };
         let [n, point] = [n, point].map(math::Vec3::<f32>::splat);
@@ -107,8 +107,8 @@ impl SpawnMethod {
     }
 }
 
-/// A unit direction on the side of the unit vector `n`: cosine-weighted, or with a cosine from 1 down to
-/// 1e-6.
+/// Returns a unit direction on the side of the unit vector `n`: cosine-weighted, or with a cosine from 1 down
+/// to 1e-6.
 pub(crate) fn spawned(rng: &mut Rng, n: Vec3) -> Vec3 {
     if rng.index(2) == 0 {
         let [u, v] = [(); 2].map(|()| (rng.unit() as f32).min(1.0_f32.next_down()));
@@ -159,8 +159,9 @@ pub fn leave_triangle(
     }
 }
 
-/// A triangle with edges of about `size`, at a distance of `place` from the origin, its height divided by
-/// `flat`; `None` if it has hardly any area in single precision, as the loader rejects such triangles.
+/// Returns a triangle with edges of about `size`, at a distance of `place` from the origin, its height
+/// divided by `flat`; `None` if it has hardly any area in single precision, as the loader rejects such
+/// triangles.
 pub fn triangle(rng: &mut Rng, size: f64, place: f64, flat: f64) -> Option<[Vec3; 3]> {
     let center = rng.direction() * place;
     let [a, b, c] = [(); 3].map(|()| center + rng.in_cube() * (0.6 * size));

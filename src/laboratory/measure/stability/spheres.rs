@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 
 const HAINES: &str = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7, 2019";
 
-/// Bounds hold where the default method makes a promise; measured figures stand in `kernel::ray_sphere`.
+/// Bounds hold where the default method makes a promise; `kernel::ray_sphere` has the measured figures.
 pub(super) fn test_cases() -> Vec<TestCase> {
     let common = || TestCase { failure: "hit or miss misjudged", source: HAINES, ..TestCase::COMMON };
     vec![
@@ -104,21 +104,21 @@ pub const UNIT: Ball = Ball { center: Vec3::ZERO, radius: 1.0 };
 /// The nearest t in (0, `limit`) of one method.
 pub(crate) type Intersect = fn(Ball, &Ray<f32>, f32) -> Option<f32>;
 
-/// The nearest t in (0, `limit`) by method `S`.
+/// Returns the nearest t in (0, `limit`) by method `S`.
 pub fn intersect<S: SphereMethod>(ball: Ball, ray: &Ray<f32>, limit: f32) -> Option<f32> {
     let center = math::Vec3::splat(ball.center);
     let (hit, t) = S::test(&S::precalculate(ray), center, ball.radius * ball.radius, limit);
     hit.then_some(t)
 }
 
-/// The nearest t > 0 in f64, where cancellation stays below the resolution of f32.
+/// Returns the nearest t > 0 in f64, where cancellation stays below the resolution of f32.
 pub fn reference_t(ball: Ball, ray: &Ray<f32>) -> Option<f64> {
     let (origin, direction) = to_f64(ray);
     hit_sphere(ball.center.as_dvec3(), f64::from(ball.radius), origin, direction)
 }
 
-/// The distance of the point at t from the sphere, and its bound for a good kernel, 40 ε (|o − c| + r): see
-/// `reference::verdict`.
+/// Returns the distance of the point at t from the sphere, and its bound for a good kernel, 40 ε (|o − c| +
+/// r): see `reference::verdict`.
 pub fn off(ball: Ball, ray: &Ray<f32>, t: f32) -> (f64, f64) {
     let (origin, direction) = to_f64(ray);
     let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));
@@ -126,7 +126,8 @@ pub fn off(ball: Ball, ray: &Ray<f32>, t: f32) -> (f64, f64) {
     (off, 40.0 * EPSILON * ((origin - center).length() + radius))
 }
 
-/// A ray from this distance of a ball's centre, aimed uniformly at a disc of 1.2 times its radius around it.
+/// Returns a ray from this distance of a ball's centre, aimed uniformly at a disc of 1.2 times its radius
+/// around it.
 pub fn aimed(rng: &mut Rng, ball: Ball, distance: f64, length: f64) -> Ray<f32> {
     let (center, radius) = (ball.center.as_dvec3(), f64::from(ball.radius));
     let axis = rng.direction();
@@ -137,7 +138,7 @@ pub fn aimed(rng: &mut Rng, ball: Ball, distance: f64, length: f64) -> Ray<f32> 
     ray(origin, ((target - origin.as_dvec3()).normalize() * length).as_vec3())
 }
 
-/// A ray that passes the unit ball's centre at the distance `from_center`, from `distance` away.
+/// Returns a ray that passes the unit ball's centre at the distance `from_center`, from `distance` away.
 pub fn passing(rng: &mut Rng, from_center: f64, distance: f64) -> Ray<f32> {
     let axis = rng.direction();
     let across = axis.any_orthonormal_vector();
@@ -169,7 +170,7 @@ fn far(rng: &mut Rng, distance: f64, counts: &mut FailureCounts, intersect: Inte
     misjudged(counts, rng, UNIT, distance, 1.0, intersect);
 }
 
-/// Spheres around the origin and elsewhere, where o − c is rounded.
+/// Tries spheres around the origin and elsewhere, where o − c is rounded.
 fn of_radius(rng: &mut Rng, radius: f64, counts: &mut FailureCounts, intersect: Intersect) {
     let place = [Vec3::ZERO, Vec3::new(0.3, -0.7, 0.6)][rng.index(2)];
     let ball = Ball { center: place * radius as f32, radius: radius as f32 };
@@ -180,7 +181,7 @@ fn of_length(rng: &mut Rng, length: f64, counts: &mut FailureCounts, intersect: 
     misjudged(counts, rng, UNIT, 100.0, length, intersect);
 }
 
-/// Downward rays in all directions; those near the horizon miss a small sphere.
+/// Tries downward rays in all directions; those near the horizon miss a small sphere.
 fn from_close_by(rng: &mut Rng, radius: f64, counts: &mut FailureCounts, intersect: Intersect) {
     let ball = Ball { center: Vec3::ZERO, radius: radius as f32 };
     let up = rng.direction();
@@ -192,7 +193,7 @@ fn from_close_by(rng: &mut Rng, radius: f64, counts: &mut FailureCounts, interse
     }
 }
 
-/// Half of the rays pass the silhouette inside and half outside, by `off` · ε · distance.
+/// Tries rays of which half pass the silhouette inside and half outside, by `off` · ε · distance.
 fn tangent(rng: &mut Rng, off: f64, counts: &mut FailureCounts, intersect: Intersect) {
     let distance = rng.scale(1.5, 1e3);
     let margin = off * EPSILON * distance;
@@ -203,7 +204,7 @@ fn tangent(rng: &mut Rng, off: f64, counts: &mut FailureCounts, intersect: Inter
     counts.record(intersect(UNIT, &ray, f32::INFINITY).is_some() != hits);
 }
 
-/// The point of the hit must be on the sphere.
+/// Tests that the point of the hit is on the sphere.
 fn from_inside(rng: &mut Rng, depth: f64, counts: &mut FailureCounts, intersect: Intersect) {
     let radius = rng.scale(1e-6, 1e6) as f32;
     let ball = Ball { center: rng.in_cube().as_vec3() * radius, radius };

@@ -20,9 +20,9 @@ pub struct TestCase {
     /// Short name, for the command line and for files: `spheres-far`.
     #[serde(rename = "test_case")]
     pub name: &'static str,
-    /// What is difficult, as the heading of a figure.
+    /// Difficulty, as the heading of a figure.
     pub title: &'static str,
-    /// What varies along the axis, with its unit.
+    /// Quantity along the axis, with its unit.
     pub axis: &'static str,
     /// Places on the axis, ascending. It is logarithmic; 0 may come first.
     #[serde(skip)]
@@ -50,7 +50,7 @@ impl Debug for TestCase {
     }
 }
 
-/// The trial of each method: `case` gets what the method computes.
+/// Returns the trial of each method: `case` gets what the method computes.
 pub(crate) fn trials<M: Copy + Send + Sync + 'static>(
     case: fn(&mut Rng, f64, &mut FailureCounts, M),
     methods: &[Method<M>],
@@ -63,7 +63,7 @@ pub(crate) fn trials<M: Copy + Send + Sync + 'static>(
     methods.iter().map(trial).collect()
 }
 
-/// The same for methods by name, the last one the default.
+/// Variant of [`trials`] for methods by name, the last one the default.
 pub(crate) fn compare<M: Copy + Send + Sync + 'static>(
     case: fn(&mut Rng, f64, &mut FailureCounts, M),
     methods: &[(&'static str, M)],
@@ -89,11 +89,11 @@ impl Bound {
     /// No failure.
     pub const NO_FAILURE: Self = Self { failures: 0.0, p99: None };
 
-    /// No failure, and a 99th percentile of the error up to this.
+    /// Returns a bound of no failure, and of this 99th percentile of the error.
     pub(crate) const fn error(p99: f64) -> Self {
         Self { failures: 0.0, p99: Some(p99) }
     }
-    /// Whether this number of failures is within the bound.
+    /// Tests whether this number of failures is within the bound.
     pub(crate) fn allows(&self, failures: usize, tested: usize) -> bool {
         let expected = self.failures * tested as f64;
         let tolerance = if expected > 0.0 { 5.0 * expected.sqrt() + 3.0 } else { 0.0 };
@@ -106,9 +106,9 @@ impl Bound {
 pub struct Effort(pub f64);
 
 impl Effort {
-    /// As many as the command.
+    /// Number of inputs of the command.
     pub const STANDARD: Self = Self(1.0);
-    /// As many as the command with `--thorough`: millions for most test cases.
+    /// Number of inputs of the command with `--thorough`: millions for most test cases.
     pub const THOROUGH: Self = Self(10.0);
 
     fn inputs(self, full: usize) -> usize {
@@ -173,12 +173,11 @@ pub struct Curve {
     pub method: &'static str,
     /// Whether this is the renderer's default.
     pub default: bool,
-    /// By place, ascending.
+    /// Points by place, ascending.
     pub points: Vec<Point>,
 }
 
-/// One method at one place of the axis. Quantiles are those of the error where the method did not fail;
-/// `None` where no error is measured.
+/// Runs one method at one place, which need not be one of the test case's places.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Point {
     /// The place, in the unit of [`TestCase::axis`].
@@ -195,16 +194,16 @@ pub struct Point {
     pub p99: Option<f64>,
     /// Largest error.
     pub max: Option<f64>,
-    /// Of the default method only.
+    /// Bound of the default method; `None` for others.
     pub bound: Option<Bound>,
 }
 
 impl Outcome {
-    /// The curve of the method of this name.
+    /// Returns the curve of the method of this name.
     pub fn curve(&self, method: &str) -> Option<&Curve> {
         self.curves.iter().find(|curve| curve.method == method)
     }
-    /// Places where the default method breaks its bound.
+    /// Returns the places where the default method breaks its bound.
     pub fn faults(&self) -> impl Iterator<Item = &Point> {
         self.curves.iter().flat_map(|curve| &curve.points).filter(|point| !point.holds())
     }
@@ -217,15 +216,15 @@ impl Point {
         let at = |share| quantiles.as_ref().map(|quantiles| quantiles.at(share));
         Self { x, tested, failures, p50: at(0.5), p90: at(0.9), p99: at(0.99), max: at(1.0), bound }
     }
-    /// Whether this is a place of the default method without a promise.
+    /// Tests whether this is a place of the default method without a promise.
     pub fn promises_nothing(&self) -> bool {
         self.bound.is_some_and(|bound| bound.failures >= 1.0)
     }
-    /// Share of failures.
+    /// Returns the share of failures.
     pub fn rate(&self) -> f64 {
         self.failures as f64 / self.tested as f64
     }
-    /// Whether the bound is kept, if there is one. Zero tested inputs break it.
+    /// Tests whether the bound is kept, if there is one. Zero tested inputs break it.
     pub fn holds(&self) -> bool {
         self.bound.is_none_or(|bound| {
             let exact_enough = bound.p99.is_none_or(|most| self.p99.is_none_or(|p99| p99 <= most));
@@ -234,14 +233,13 @@ impl Point {
     }
 }
 
-/// The same as [`TestCase::run`] for several test cases, in their order.
+/// Runs several test cases, as [`TestCase::run`] does, in their order.
 pub fn run(test_cases: &[&'static TestCase], effort: Effort, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
     test_cases.par_iter().map(|test_case| test_case.run(effort, done)).collect()
 }
 
 impl TestCase {
-    /// What test cases have in common unless they say otherwise: the number of inputs, no error, and a
-    /// default method that never fails.
+    /// The defaults of test cases: the number of inputs, no error, and a default method that never fails.
     pub const COMMON: Self = Self {
         name: "",
         title: "",
@@ -255,13 +253,13 @@ impl TestCase {
         bound: |_| Bound::NO_FAILURE,
     };
 
-    /// Points of all methods.
+    /// Returns the number of points of all methods.
     pub fn points(&self) -> usize {
         self.methods.len() * self.places.len()
     }
 
-    /// Every method at every place, in parallel on the threads of the caller's pool. Calls `done` after each
-    /// of [`TestCase::points`].
+    /// Runs every method at every place, in parallel on the threads of the caller's pool. Calls `done` after
+    /// each of [`TestCase::points`].
     pub fn run(&'static self, effort: Effort, done: &(dyn Fn() + Sync)) -> Outcome {
         let point = |method: &Method<Trial>, x| {
             let point = self.at(method, x, effort);
@@ -300,7 +298,7 @@ impl TestCase {
         Point::of(x, counts, method.default.then(|| (self.bound)(x)))
     }
 
-    /// The method of this name.
+    /// Returns the method of this name.
     pub fn method(&self, name: &str) -> Option<&Method<Trial>> {
         self.methods.iter().find(|method| method.name == name)
     }

@@ -96,12 +96,12 @@ pub(super) fn test_cases() -> Vec<TestCase> {
     ]
 }
 
-/// Textbook cosine of the latitude.
+/// Returns the textbook cosine of the latitude.
 fn cos_latitude(point: Vec3<f32>, ball: Ball) -> f32 {
     (point.y - ball.center.y) / ball.radius
 }
 
-/// Hit points of rays from about five radii away.
+/// Tries hit points of rays from about five radii away.
 fn poles(rng: &mut Rng, most: f64, counts: &mut FailureCounts, latitude: fn(Vec3<f32>, Ball) -> f32) {
     let ball = Ball { center: rng.in_cube().as_vec3(), radius: rng.scale(0.1, 10.0) as f32 };
     let (off, phi) = (most * rng.unit().sqrt(), TAU * rng.unit());
@@ -124,12 +124,12 @@ fn whole(x: f32) -> i64 {
     x as i64
 }
 
-/// The default's column.
+/// Returns the default's column.
 fn nearest(u: f32, columns: f32) -> i64 {
     i64::from(Grid { width: columns, height: 1.0, first: 0_u32 }.nearest(u, 0.0, false))
 }
 
-/// Whether this column of a repeating texture contains u, with a tolerance of a thousandth of a column.
+/// Tests whether this column of a repeating texture contains u, with a tolerance of a thousandth of a column.
 fn holds(column: i64, u: f64, columns: f64) -> bool {
     let at = (u - u.floor()) * columns;
     let middle = column as f64 + 0.5;
@@ -137,7 +137,7 @@ fn holds(column: i64, u: f64, columns: f64) -> bool {
     (0..columns as i64).contains(&column) && apart.min(columns - apart) <= 0.5 + 1e-3
 }
 
-/// On both sides of the seam.
+/// Tries points on both sides of the seam.
 fn seam(rng: &mut Rng, turns: f64, counts: &mut FailureCounts, column: fn(f32) -> i64) {
     let angle = TAU * turns * [1.0, -1.0][rng.index(2)];
     let y = 0.9 * rng.signed();

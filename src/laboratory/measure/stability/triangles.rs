@@ -67,12 +67,12 @@ pub(super) fn test_cases() -> Vec<TestCase> {
     ]
 }
 
-/// The point of these weights.
+/// Returns the point of these weights.
 pub(crate) fn mean(points: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
     points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2]
 }
 
-/// t, u and v in f64 by Cramer's rule, also for rays that pass outside; not finite for a ray in the
+/// Returns t, u and v in f64 by Cramer's rule, also for rays that pass outside; not finite for a ray in the
 /// triangle's plane.
 pub fn reference_tuv(triangle: [Vec3; 3], ray: &Ray<f32>) -> [f64; 3] {
     let (o, d) = to_f64(ray);
@@ -90,7 +90,7 @@ pub fn reference_tuv(triangle: [Vec3; 3], ray: &Ray<f32>) -> [f64; 3] {
 /// t, u and v by one method.
 pub(crate) type Intersect = fn([Vec3; 3], &Ray<f32>, f32) -> Option<[f32; 3]>;
 
-/// t, u and v by method `T`.
+/// Returns t, u and v by method `T`.
 pub fn intersect<T: TriangleMethod>(triangle: [Vec3; 3], ray: &Ray<f32>, limit: f32) -> Option<[f32; 3]> {
     let TriangleHit { mask, t, u, v } = T::test(&T::precalculate(ray), &T::store(triangle), limit);
     mask.then_some([t, u, v])
@@ -114,8 +114,8 @@ fn inside(
     }
 }
 
-/// A triangle with a longest edge of 1, or nearly, and a height of 1 / `aspect`, and a ray from the distance
-/// 2 through it.
+/// Returns a triangle with a longest edge of 1, or nearly, and a height of 1 / `aspect`, and a ray from the
+/// distance 2 through it.
 pub(crate) fn sliver(rng: &mut Rng, aspect: f64) -> ([Vec3; 3], Ray<f32>) {
     let along = rng.direction();
     let across = along.any_orthonormal_vector();
@@ -131,8 +131,8 @@ fn slivers(rng: &mut Rng, aspect: f64, counts: &mut FailureCounts, intersect: In
     inside(counts, triangle, &ray, &|t| t, intersect);
 }
 
-/// A triangle of edges about 1 around `center`, all heights above 0.3, its normal, and a direction at most
-/// 70° from it.
+/// Returns a triangle of edges about 1 around `center`, all heights above 0.3, its normal, and a direction at
+/// most 70° from it.
 fn shape(rng: &mut Rng, center: DVec3) -> ([DVec3; 3], DVec3) {
     loop {
         let [a, b, c] = [(); 3].map(|()| center + rng.in_cube());
@@ -144,8 +144,8 @@ fn shape(rng: &mut Rng, center: DVec3) -> ([DVec3; 3], DVec3) {
     }
 }
 
-/// Such a triangle `size` times as large, and a ray from the distance `distance` towards a point of its
-/// plane, near it.
+/// Returns a triangle of [`shape`], `size` times as large, and a ray from the distance `distance` towards a
+/// point of its plane, near it.
 pub fn well_shaped(rng: &mut Rng, center: DVec3, distance: f64, size: f64) -> ([Vec3; 3], Ray<f32>) {
     let (corners, normal) = shape(rng, center);
     let direction = loop {
@@ -176,7 +176,7 @@ fn of_size(rng: &mut Rng, size: f64, counts: &mut FailureCounts, intersect: Inte
     }
 }
 
-/// A triangle, its normal, and a point of it.
+/// Returns a triangle, its normal, and a point of it.
 fn with_target(rng: &mut Rng) -> ([Vec3; 3], DVec3, DVec3) {
     let (corners, normal) = shape(rng, DVec3::ZERO);
     let triangle = corners.map(|corner| corner.as_vec3());

@@ -7,10 +7,11 @@
 use criterion::{BenchmarkId, Criterion, Throughput};
 use octray_engine::math::MISS;
 use octray_engine::rays::{Structure, Traversal};
+use octray_engine::render::TraversalChoice;
 use octray_formats::scene;
 use octray_laboratory::measure::ray_sets::{Answers, Kind, RaysWithHits};
 use octray_laboratory::measure::rays;
-use octray_laboratory::measure::trace::{Accelerators, TraceMethod, TracePool};
+use octray_laboratory::measure::trace::{Accelerators, TracePool};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -53,7 +54,7 @@ fn main() {
             if traversal == Traversal::Packet && kind != Kind::Primary {
                 continue;
             }
-            let way = TraceMethod::Tree(traversal);
+            let way = TraversalChoice::Through(traversal);
             let mut answers = Answers::none(&rays.set);
             trace(way, &pool, &structures, rays, &mut answers);
             check(way, rays, &answers);
@@ -67,7 +68,7 @@ fn main() {
 }
 
 fn trace(
-    way: TraceMethod,
+    way: TraversalChoice,
     pool: &TracePool,
     structures: &Accelerators,
     rays: &RaysWithHits,
@@ -79,7 +80,7 @@ fn trace(
 
 /// # Panics
 /// If the way finds other hits than one scalar ray at a time.
-fn check(way: TraceMethod, rays: &RaysWithHits, answers: &Answers) {
+fn check(way: TraversalChoice, rays: &RaysWithHits, answers: &Answers) {
     let (kind, nearest) = (rays.set.kind, &rays.nearest);
     assert!(nearest.count() > rays.set.len() / 100, "{}: {} hits are too few", kind.name(), nearest.count());
     if kind.any_hit() {

@@ -10,7 +10,7 @@ use super::terminal::{self, Printer};
 use crate::lane::NATIVE_WIDTH;
 use crate::machine;
 use crate::measure::rays;
-use crate::measure::trace::{Accelerators, TraceMethod, TracePool};
+use crate::measure::trace::{self, Accelerators, TracePool};
 use crate::output;
 use crate::render::LaneChoice;
 use crate::render::{Methods, TraversalChoice};
@@ -123,16 +123,17 @@ impl Options {
     }
 
     /// Returns the methods that were asked for, where their widths were.
-    fn ways(&self) -> Vec<TraceMethod> {
-        let mut ways =
-            TraceMethod::of(self.traversal).map_or_else(|| TraceMethod::all().collect(), |way| vec![way]);
-        let is_wanted = |way: &TraceMethod| self.lanes.iter().any(|choice| choice.lanes() == way.lanes());
-        ways.retain(|way| self.lanes.is_empty() || is_wanted(way));
-        ways
+    fn ways(&self) -> Vec<TraversalChoice> {
+        let is_wanted = |way: &TraversalChoice| {
+            let lanes = trace::lanes(*way);
+            (self.traversal == TraversalChoice::Auto || self.traversal == *way)
+                && (self.lanes.is_empty() || self.lanes.iter().any(|choice| choice.lanes() == lanes))
+        };
+        trace::traversals().filter(is_wanted).collect()
     }
 
     fn run_settings(&self) -> RunSettings {
-        let lanes: BTreeSet<usize> = self.ways().into_iter().map(TraceMethod::lanes).collect();
+        let lanes: BTreeSet<usize> = self.ways().into_iter().map(trace::lanes).collect();
         let run = RunSettings {
             seed: self.seed,
             size: Some(self.size),
@@ -191,8 +192,8 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     }
     for prepared in &sets {
         let mut ways = options.ways();
-        if ways.contains(&TraceMethod::Linear) && rays::too_many_for_linear(&scene, &prepared.set) {
-            ways.retain(|way| *way != TraceMethod::Linear);
+        if ways.contains(&TraversalChoice::Linear) && rays::too_many_for_linear(&scene, &prepared.set) {
+            ways.retain(|way| *way != TraversalChoice::Linear);
             report.left_out.push(format!(
                 "Testing all primitives for all {} rays would take too long: a smaller --size would do.",
                 prepared.set.kind.name()

@@ -7,9 +7,7 @@ use crate::bvh::check::Statistics;
 use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
-use crate::measure::trace::TraceMethod;
-use crate::render::LaneChoice;
-use crate::render::{Methods, features_of};
+use crate::render::{LaneChoice, Methods, TraversalChoice, features_of};
 use crate::scene::Scene;
 use crate::traverse::{MAX_LIST_COST, TRIANGLE_COST, list_cost};
 use crate::wording::{counted, grouped};
@@ -59,7 +57,7 @@ impl TraversalReport {
 
     /// Tests whether rays traverse a hierarchy.
     pub fn needs_hierarchy(&self) -> bool {
-        self.primary != TraceMethod::Linear.name()
+        self.primary != TraversalChoice::Linear.name()
     }
 
     pub fn text(&self) -> String {

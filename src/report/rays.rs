@@ -251,7 +251,7 @@ pub fn meaning(report: &Report) -> String {
 mod tests {
     use super::*;
     use crate::measure::rays::{measure, prepare};
-    use crate::measure::trace::{Accelerators, TraceMethod, TracePool};
+    use crate::measure::trace::{Accelerators, TracePool, traversals};
     use crate::render::Methods;
 
     #[test]
@@ -259,7 +259,7 @@ mod tests {
         let scene = crate::scene::load("builtin:three").unwrap();
         let structures =
             Accelerators::new(&scene.geometry(), crate::rays::Structure::tree_for_all(&scene.geometry()));
-        let (pools, methods) = ([TracePool::new(1)], TraceMethod::all().collect::<Vec<_>>());
+        let (pools, methods) = ([TracePool::new(1)], traversals().collect::<Vec<_>>());
         let mut rays =
             prepare(&scene, &scene.overview().unwrap(), &structures, &pools[0], [8, 8], 0).remove(0);
         let mut report_of = |fault: Option<&str>, off: f32| {

@@ -3,7 +3,7 @@
 use crate::common::rays::{Set, mixture};
 use crate::common::*;
 use octray::measure::ray_sets::{Answers, RaySet};
-use octray::measure::trace::{Accelerators, TraceMethod, TracePool};
+use octray::measure::trace::{Accelerators, TracePool, traversals};
 
 /// Directions that divide by zero, or nearly.
 fn awkward(rng: &mut Rng) -> Vec3 {
@@ -133,17 +133,17 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
     let camera = octray::camera::Pinhole::new(&scene.camera, [48, 32]);
     let mut set = RaySet::primary(&camera, &pixels);
     let pool = TracePool::new(1);
-    let traced = |set: &RaySet, way: TraceMethod| {
+    let traced = |set: &RaySet, way: TraversalChoice| {
         let mut answers = Answers::none(set);
         pool.trace(way, &structures, set, &mut answers, false);
         answers
     };
-    let nearest = traced(&set, TraceMethod::Linear);
+    let nearest = traced(&set, TraversalChoice::Linear);
     assert!(nearest.count() > 200, "{}", nearest.count());
     // The hit itself, the number behind it, somewhere, and NaN, which spoils no other ray of a packet.
     let mut end = |(i, &t): (usize, &f32)| [t, t.next_up(), 8.0 * rng.unit() as f32, f32::NAN][i % 4];
     set.t_max = nearest.t.iter().enumerate().map(&mut end).collect();
-    let expected = traced(&set, TraceMethod::Linear);
+    let expected = traced(&set, TraversalChoice::Linear);
     for (at, (&t_max, &t)) in set.t_max.iter().zip(&nearest.t).enumerate() {
         assert_eq!(expected.primitive[at] != MISS, t < t_max, "ray {at}: {t} within {t_max}");
     }
@@ -152,7 +152,7 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
         (primitive, [t, u, v].map(|column| column.into_iter().map(f32::to_bits).collect::<Vec<_>>()))
     };
     let expected = bits(expected);
-    for way in TraceMethod::all() {
+    for way in traversals() {
         assert!(bits(traced(&set, way)) == expected, "{}", way.name());
     }
 }

@@ -8,9 +8,10 @@ use super::quantiles::{Quantiles, Rounds};
 use super::ray_sets::{Answer, Answers, Kind, RaySet, RaysWithHits, pixels};
 use super::stats::{RayStats, TestStats};
 use super::timed::{Ratio, Times};
-use super::trace::{Accelerators, TraceMethod, TracePool};
+use super::trace::{Accelerators, TracePool, lanes};
 use crate::camera::Pinhole;
 use crate::rays::{Geometry, Structure};
+use crate::render::TraversalChoice;
 use crate::scene::{Camera, Scene};
 use crate::traverse::Traversal;
 use serde::Serialize;
@@ -67,7 +68,7 @@ pub fn build(geometry: &Geometry, threads: &[usize], fewest: usize) -> (Structur
 }
 
 /// The method whose hits all others must reproduce: one scalar ray at a time.
-const BASELINE: TraceMethod = TraceMethod::Tree(Traversal::Scalar);
+const BASELINE: TraversalChoice = TraversalChoice::Through(Traversal::Scalar);
 
 /// Returns the rays of every kind, from `camera`, with their nearest hits.
 pub fn prepare(
@@ -95,7 +96,7 @@ pub fn prepare(
 pub struct Measurement {
     /// Kind of the rays.
     pub kind: Kind,
-    /// Name on the command line: [`TraceMethod::name`].
+    /// Name on the command line: [`TraversalChoice::name`].
     pub traversal: &'static str,
     /// SIMD width of the traversal.
     pub lanes: usize,
@@ -139,8 +140,8 @@ pub struct Disagreement {
 }
 
 /// Tests whether a method is timed for a kind of rays: packets need coherent rays.
-fn applies(method: TraceMethod, kind: Kind) -> bool {
-    method != TraceMethod::Tree(Traversal::Packet) || kind == Kind::Primary
+fn applies(method: TraversalChoice, kind: Kind) -> bool {
+    method != TraversalChoice::Through(Traversal::Packet) || kind == Kind::Primary
 }
 
 /// Tests whether testing every primitive takes too long for these rays.
@@ -150,7 +151,7 @@ pub fn too_many_for_linear(scene: &Scene, set: &RaySet) -> bool {
 
 /// A method on a pool while it is timed.
 struct Run<'a> {
-    method: TraceMethod,
+    method: TraversalChoice,
     pool: &'a TracePool,
     times: Times,
     hits: usize,
@@ -188,7 +189,7 @@ impl Run<'_> {
 pub fn measure(
     structures: &Accelerators,
     rays: &RaysWithHits,
-    methods: &[TraceMethod],
+    methods: &[TraversalChoice],
     pools: &[TracePool],
     passes: Option<u32>,
 ) -> Vec<Measurement> {
@@ -223,10 +224,10 @@ pub fn measure(
 
 /// Counts the tests of these methods for one kind of rays, which each traces once on one thread, untimed: the
 /// counts do not depend on the number of threads. Methods that do not apply to the kind are left out.
-pub fn count(structures: &Accelerators, rays: &RaysWithHits, methods: &[TraceMethod]) -> Vec<RayStats> {
+pub fn count(structures: &Accelerators, rays: &RaysWithHits, methods: &[TraversalChoice]) -> Vec<RayStats> {
     let RaysWithHits { set, .. } = rays;
     let methods = methods.iter().filter(|&&method| applies(method, set.kind));
-    let count = |&method: &TraceMethod| {
+    let count = |&method: &TraversalChoice| {
         let rays = set.len() as u64;
         let tests = TestStats::of(&structures.count(method, set), rays);
         RayStats { kind: set.kind, traversal: method.name(), rays, tests }
@@ -244,7 +245,7 @@ fn measurement(set: &RaySet, run: &Run, runs: &[Run]) -> Measurement {
     Measurement {
         kind: set.kind,
         traversal: run.method.name(),
-        lanes: run.method.lanes(),
+        lanes: lanes(run.method),
         threads: run.pool.threads(),
         rays: set.len(),
         hits: run.hits,

@@ -69,7 +69,7 @@ pub struct BounceStats {
 pub struct RayStats {
     /// Kind of the rays.
     pub kind: Kind,
-    /// [`super::trace::TraceMethod::name`].
+    /// [`crate::render::TraversalChoice::name`].
     pub traversal: &'static str,
     /// Rays of the set.
     pub rays: u64,

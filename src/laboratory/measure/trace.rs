@@ -17,45 +17,17 @@ const CHUNK: usize = crate::traverse::stream::BATCH;
 /// Units of work for each thread, so that all end at about the same time.
 const UNITS: usize = 4;
 
-/// A method of finding hits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TraceMethod {
-    /// Testing every primitive, a vector of rays at a time.
-    Linear,
-    /// Through the hierarchy.
-    Tree(Traversal),
+/// Returns the traversals that can be measured, the baseline first and `linear` last.
+pub fn traversals() -> impl Iterator<Item = TraversalChoice> {
+    Traversal::ALL.into_iter().map(TraversalChoice::Through).chain([TraversalChoice::Linear])
 }
 
-impl TraceMethod {
-    /// Returns the name on the command line and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Tree(traversal) => TraversalChoice::Through(traversal).name(),
-        }
-    }
-    /// Returns the number of SIMD lanes.
-    pub fn lanes(self) -> usize {
-        match self {
-            Self::Linear => NATIVE_WIDTH,
-            Self::Tree(traversal) => traversal.lanes(),
-        }
-    }
-    /// Returns the chosen method; `None` for the automatic choice.
-    pub fn of(choice: TraversalChoice) -> Option<Self> {
-        match choice {
-            TraversalChoice::Auto => None,
-            TraversalChoice::Linear => Some(Self::Linear),
-            TraversalChoice::Through(traversal) => Some(Self::Tree(traversal)),
-        }
-    }
-    /// Returns all methods, the baseline first.
-    pub fn all() -> impl Iterator<Item = Self> {
-        Traversal::ALL.into_iter().map(Self::Tree).chain([Self::Linear])
-    }
+/// Returns the number of SIMD lanes of a traversal.
+pub fn lanes(traversal: TraversalChoice) -> usize {
+    if let TraversalChoice::Through(traversal) = traversal { traversal.lanes() } else { NATIVE_WIDTH }
 }
 
-/// The acceleration structures of a scene that the methods read.
+/// The acceleration structures of a scene that the traversals read.
 pub struct Accelerators {
     /// Wide and binary trees: some traversals read the one, some the other.
     pub(crate) tree: Structure,
@@ -68,11 +40,18 @@ impl Accelerators {
         Self { tree, list: Structure::list(geometry, Default::default(), NATIVE_WIDTH) }
     }
 
-    /// Updates the hits of all rays: the closest hit, or any hit.
-    fn trace(&self, method: TraceMethod, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits, any_hit: bool) {
+    /// Updates the hits of all rays: the closest hit, or any hit. Without a hierarchy, every primitive is tested.
+    fn trace(
+        &self,
+        method: TraversalChoice,
+        tracer: &mut Tracer,
+        rays: &Rays,
+        hits: &mut Hits,
+        any_hit: bool,
+    ) {
         let structure = match method {
-            TraceMethod::Tree(traversal) => &self.tree.with_traversal(traversal),
-            TraceMethod::Linear => &self.list,
+            TraversalChoice::Through(traversal) => &self.tree.with_traversal(traversal),
+            TraversalChoice::Linear | TraversalChoice::Auto => &self.list,
         };
         match any_hit {
             true => tracer.improve::<true>(structure, rays, hits),
@@ -81,7 +60,7 @@ impl Accelerators {
     }
 
     /// Counts the tests of these rays, traced in chunks as on several threads.
-    pub(crate) fn count(&self, method: TraceMethod, set: &RaySet) -> Counts {
+    pub(crate) fn count(&self, method: TraversalChoice, set: &RaySet) -> Counts {
         let (mut tracer, mut answers) = (Tracer::new(), Answers::none(set));
         tracer.start_counting();
         let mut hits = answers.hits();
@@ -124,7 +103,7 @@ impl TracePool {
     /// Finds the closest hits, or any hits.
     pub fn trace(
         &self,
-        method: TraceMethod,
+        method: TraversalChoice,
         structures: &Accelerators,
         set: &RaySet,
         answers: &mut Answers,
@@ -140,7 +119,7 @@ impl TracePool {
     #[inline(never)]
     fn trace_chunk(
         &self,
-        method: TraceMethod,
+        method: TraversalChoice,
         structures: &Accelerators,
         set: &RaySet,
         first: usize,

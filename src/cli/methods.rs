@@ -2,8 +2,8 @@
 
 use super::error::CliError;
 use super::terminal::Printer;
-use crate::buffers::LightChoice;
 use crate::choice::Choice;
+use crate::lights::LightChoice;
 use crate::render::{LaneChoice, PipelineChoice};
 use crate::render::{SphereChoice, TraversalChoice, TriangleChoice};
 use crate::report::text::item;

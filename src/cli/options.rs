@@ -3,9 +3,9 @@
 use super::error::{CliError, refuse};
 use super::numbers::{clamp, exposure, seed, size, threads, whole};
 use super::{memory, scenes, terminal};
-use crate::buffers::LightChoice;
 use crate::choice::Choice;
 use crate::lane::WIDTHS;
+use crate::lights::LightChoice;
 use crate::machine;
 use crate::render::{LaneChoice, PipelineChoice, Settings};
 use crate::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};

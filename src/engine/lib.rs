@@ -29,11 +29,11 @@
 //! | [`rays`] | the package `octray-rays`: closest hit and any hit of rays, over lanes; its modules [`lane`], [`math`], [`bvh`] and [`traverse`] have short paths here |
 //! | [`mod@choice`] | named alternatives, shared by the command line, view files and reports |
 //! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
-//! | [`kernel`] | BSDFs, light sampling, texture lookups |
+//! | [`kernel`] | BSDFs, texture lookups |
 //! | [`scene`] | what a scene is |
 //! | [`path_vertex`] | the vertices of one path as data |
 //! | [`buffers`] | the scene flattened; the features it uses |
-//! | [`light_sampling`] | light sampling: chooses a light, samples directions of the environment |
+//! | [`lights`] | the lights that are sampled, a file a kind; which one is chosen |
 //! | [`camera`] | raster space to primary rays |
 //! | [`integrate`] | the path estimator, as stages over queues |
 //! | [`threads`] | worker threads, each with its own working memory |
@@ -66,7 +66,7 @@ pub mod diagnosis;
 pub mod film;
 pub mod integrate;
 pub mod kernel;
-pub mod light_sampling;
+pub mod lights;
 pub mod path_vertex;
 pub mod render;
 pub mod sampling;

@@ -2,7 +2,8 @@
 
 use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
 use super::text::item;
-use crate::buffers::{EnvironmentLight, Features, LightChoice, Lights};
+use crate::buffers::Features;
+use crate::lights::{EnvironmentLight, LightChoice, Lights};
 use crate::render::features_of;
 use crate::scene::{
     Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, View, point_in_file,
@@ -306,8 +307,7 @@ impl LightReport {
         Self {
             emitters: scene.all_primitives().filter(emits).count(),
             // Two triangles may be one light.
-            sampled: lights.probabilities.iter().filter(|&&probability| probability > 0.0).count()
-                - usize::from(lights.sky.is_some()),
+            sampled: lights.probabilities.iter().filter(|&&probability| probability > 0.0).count(),
             sky: lights.sky.is_some(),
             sky_contrast: match &lights.sky {
                 Some((sky, _)) => Some(sky.contrast),

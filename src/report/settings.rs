@@ -2,7 +2,7 @@
 //! line of text.
 
 use super::text::paragraph;
-use crate::buffers::LightChoice;
+use crate::lights::LightChoice;
 use crate::machine::Machine;
 use crate::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::render::{PipelineChoice, Settings};

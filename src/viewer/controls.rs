@@ -166,7 +166,7 @@ pub fn cycle<T: Copy + PartialEq>(value: &mut T, all: &[T]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::buffers::LightChoice;
+    use octray_engine::lights::LightChoice;
     use octray_engine::sampling::Sampler;
 
     fn controls() -> Controls {

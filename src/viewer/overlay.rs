@@ -4,7 +4,7 @@ use super::controls::{Controls, PRESETS};
 use super::display_mode::DisplayMode;
 use super::painter::FrameInput;
 use super::state::State;
-use octray_engine::buffers::LightChoice;
+use octray_engine::lights::LightChoice;
 use octray_formats::wording::{counted, grouped};
 use std::fmt::Write;
 use std::time::{Duration, Instant};

@@ -6,11 +6,12 @@ pub mod skipped;
 pub mod statistics;
 
 pub use glam::{DVec3, Vec2, Vec3, dvec3, vec2, vec3};
-pub use octray::buffers::{Features, LightChoice, Lights};
+pub use octray::buffers::Features;
 pub use octray::bvh::Trees;
 pub use octray::film::{Film, Picture};
 pub use octray::kernel::{ray_sphere::SphereMethod, ray_triangle::TriangleMethod};
 pub use octray::lane::{Bits, F32x8, F32x16, Lane, Mask, NATIVE_WIDTH, WIDTHS};
+pub use octray::lights::{LightChoice, Lights};
 pub use octray::math::{self, MISS, Ray};
 pub use octray::reference::{PathSettings, Reference};
 pub use octray::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};

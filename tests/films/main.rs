@@ -7,8 +7,8 @@
 //! several. A hash that changes is a picture that changes, and the changelog says so; the failing test prints
 //! the new column. `+` after a scene names methods other than the default.
 
-use octray_engine::buffers::LightChoice;
 use octray_engine::lane::{FUSED, WIDTHS};
+use octray_engine::lights::LightChoice;
 use octray_engine::render::Methods;
 use octray_engine::render::{Renderer, Settings};
 use octray_engine::sampling::Sampler;

@@ -42,7 +42,7 @@ fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it
             // Every number there is.
             for number in 0..NUMBERS {
                 let u = number as f32 / NUMBERS as f32;
-                let (light, rest) = lights.choose::<f32>(u, never, never, count <= Lights::FEW);
+                let (light, rest) = lights.choose_by_power::<f32>(u, never, never, count <= Lights::FEW);
                 assert!((0.0..1.0).contains(&rest), "{count} lights: {rest} left of {u}");
                 let (at, rest) = (&mut seen[light.at.x as usize], f64::from(rest));
                 *at = Seen { count: at.count + 1.0, sum: at.sum + rest, squares: at.squares + rest * rest };
@@ -75,7 +75,7 @@ fn two_other_numbers_choose_among_many_lights_by_their_chances() {
                 let number = ((slot as f64 + 0.5) / count as f64) as f32;
                 for part in 0..PARTS {
                     let more = (part as f32 + 0.5) / PARTS as f32;
-                    let (light, rest) = lights.choose::<f32>(0.3, || number, || more, false);
+                    let (light, rest) = lights.choose_by_power::<f32>(0.3, || number, || more, false);
                     assert_eq!(rest, 0.3, "{count} lights: the point's number is left whole");
                     drawn[light.at.x as usize] += 1;
                 }
@@ -102,7 +102,8 @@ fn chances_sum_to_one_and_rows_hold_those_of_their_own_light() {
         let mut rng = Rng(82);
         for _ in 0..1000 {
             let [u, number, more] = [(); 3].map(|()| (rng.bits() >> 8) as f32 / 16_777_216.0);
-            let (light, _) = lights.choose::<f32>(u, || number, || more, radiances.len() <= Lights::FEW);
+            let (light, _) =
+                lights.choose_by_power::<f32>(u, || number, || more, radiances.len() <= Lights::FEW);
             let at = light.at.x as usize;
             assert_eq!((light.probability, light.emission.x), (lights.probabilities[at], radiances[at]));
         }

@@ -3,7 +3,7 @@
 
 use crate::common::*;
 use glam::Quat;
-use octray::buffers::Buffers;
+use octray::buffers::{Buffers, SampledAs};
 use octray::camera::{Pinhole, Tile};
 use octray::integrate::{Scratch, TraceContext, pipeline_for};
 use octray::scene::MAX_BOUNCES;
@@ -37,7 +37,8 @@ fn sign(bit: usize) -> f32 {
 /// The largest departure from unit length of the last segments of a tile's paths.
 fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
     let context = TraceContext {
-        buffers: Buffers::new(scene),
+        buffers: Buffers::new(scene, |_| SampledAs::Nothing),
+        lights: Lights::default(),
         structure: Methods::default().structure(scene, &scene.geometry(), 8, &Lights::default()),
         camera: Pinhole::new(&scene.camera, [16, 16]),
         visible: Vec::new(),

@@ -28,7 +28,7 @@ mod kernel_texture;
 mod kernel_triangle;
 mod lane_functions;
 mod lane_parity;
-mod lights;
+mod light_laws;
 mod lobes;
 mod long_paths;
 mod occluders;

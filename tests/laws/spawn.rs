@@ -6,7 +6,7 @@
 //! Seeds are fixed; re-hits must be 0.
 
 use crate::common::*;
-use octray::buffers::Buffers;
+use octray::buffers::{Buffers, SampledAs, SphereRow, TriangleRow};
 use octray::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
 use octray::measure::stability::shells::{Side, leave_shell, leave_sphere};
 use octray::measure::stability::spawn::{self, SpawnMethod, leave_triangle};
@@ -24,15 +24,15 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
         let ball = sphere(rng.in_cube().as_vec3(), rng.scale(1e-3, 1e3) as f32, 0);
         let vertices = [(); 3].map(|()| rng.in_cube().as_vec3());
         let scene = Scene { spheres: vec![ball], triangles: vec![triangle(vertices, 0)], ..diffuse() };
-        let buffers = Buffers::new(&scene);
-        let [x, y, z, inverse_radius, offset, ..] = buffers.quadric_rows.fetch::<f32>(0, true);
-        assert_eq!((vec3(x, y, z), inverse_radius), (ball.center, 1.0 / ball.radius));
-        assert_eq!(offset, sphere_offset(ball.center, ball.radius));
-        let [ax, ay, az, abx, aby, abz, offset, ..] = buffers.triangle_rows.fetch::<f32>(0, true);
-        let [acx, acy, acz, nx, ny, nz, ..] = buffers.triangle_rows.fetch::<f32>(1, true);
-        let rows = [[ax, ay, az], [abx, aby, abz], [acx, acy, acz], [nx, ny, nz]].map(Vec3::from_array);
+        let buffers = Buffers::new(&scene, |_| SampledAs::Nothing);
+        let row = SphereRow::<f32>::fetch(&buffers.sphere_rows, 0, true);
+        assert_eq!((row.center.get(0), row.inverse_radius), (ball.center, 1.0 / ball.radius));
+        assert_eq!(row.offset, sphere_offset(ball.center, ball.radius));
+        let row = TriangleRow::<f32>::fetch(&buffers.triangle_rows, 0, true);
         let [a, b, c] = vertices;
-        assert_eq!((rows, offset), ([a, b - a, c - a, triangle_normal(vertices)], triangle_offset(vertices)));
+        let vectors = [row.a, row.edges[0], row.edges[1], row.ng].map(|vector| vector.get(0));
+        assert_eq!(vectors, [a, b - a, c - a, triangle_normal(vertices)]);
+        assert_eq!(row.offset, triangle_offset(vertices));
     }
 }
 

@@ -105,7 +105,7 @@ fn means_agree(scenes: u64, samples: u32) {
     for number in 0..scenes {
         let scene = lamps(&mut Rng(1000 + number));
         let lights = Lights::new(&scene, LightChoice::On);
-        deciding += u32::from(lights.hits_decide());
+        deciding += u32::from(lights.needs_hits());
         textured += u32::from(scene.triangles.iter().any(|triangle| triangle.material > 2));
         let (sought, sought_error) = mean_of(&scene, LightChoice::On, samples);
         let (hit, hit_error) = mean_of(&scene, LightChoice::Off, 4 * samples);

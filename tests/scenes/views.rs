@@ -3,7 +3,7 @@
 
 use crate::folder::Folder;
 use glam::{Vec3, vec3};
-use octray::buffers::LightChoice;
+use octray::lights::LightChoice;
 use octray::render::PipelineChoice;
 use octray::render::{SphereChoice, TraversalChoice, TriangleChoice};
 use octray::sampling::Sampler;

@@ -96,7 +96,7 @@ impl Features {
     }
 
     /// The features that shading a scene needs; of its materials, only those that some primitive has.
-    /// Traversal and lights add their own: [`Features::HIERARCHY`], [`super::Lights::needs`].
+    /// Traversal and lights add their own: [`Features::HIERARCHY`], [`crate::lights::Lights::needs`].
     pub fn of(scene: &Scene) -> Features {
         let mut needs = Features::NONE;
         let mut need = |condition: bool, feature: Features| {
@@ -142,6 +142,12 @@ impl Features {
         }
         needs
     }
+}
+
+/// Tests whether the feature set `n` holds this feature. Constant for the compiler.
+#[inline(always)]
+pub const fn has(n: u32, feature: Features) -> bool {
+    Features(n).contains(feature)
 }
 
 /// The materials that some primitive has.

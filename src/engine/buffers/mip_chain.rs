@@ -27,7 +27,7 @@ pub(super) fn mip_chain(texture: &Texture) -> Vec<Level> {
 }
 
 /// The means of the texels of a level from the level before.
-pub(super) fn halve(
+pub(crate) fn halve(
     [width, height]: [u32; 2],
     [columns, rows]: [u32; 2],
     texel: impl Fn(usize) -> [f64; 3],

@@ -3,25 +3,18 @@
 //! Shading reads *row tables* ([`rows::Rows`]) of eight floats a row, each lane at its own index: rows are
 //! fetched and transposed into packets in registers. What intersection reads is in [`crate::traverse`].
 
-mod environment_light;
 pub mod features;
 mod geometry;
-mod light_power;
-mod lights;
-mod mip_chain;
-mod overlaps;
-mod quads;
+pub(crate) mod mip_chain;
 pub mod rows;
 mod texels;
 
-pub use environment_light::EnvironmentLight;
-pub use features::Features;
-pub use geometry::quadric_surface;
-pub use lights::{LightChoice, Lights};
+pub use features::{Features, has};
+pub use geometry::{SampledAs, SampledPrimitives, SphereRow, TriangleRow};
 pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::{metal_rough, plastic};
-use crate::kernel::surface::{self, triangle_normal, triangle_offset};
+use crate::kernel::surface;
 use crate::scene::{self, MaterialKind, Scene};
 use glam::Vec3;
 use rows::Rows;
@@ -30,15 +23,11 @@ use rows::Rows;
 pub struct Buffers {
     /// The features that the scene uses.
     pub needs: Features,
-    /// The number of the first triangle: of primitives, quadrics come first.
+    /// The number of the first triangle: spheres come first.
     pub first_triangle: u32,
-    /// One row of eight a quadric. Of a sphere: centre, one over the radius, offset of spawned rays, material
-    /// (bits), texture turn, probability of being chosen as a light. The turn's sign bit is set where the
-    /// texture is oriented to be seen from outside: with the angle's sign flipped by it, the angle plus this
-    /// number is u on both sides.
-    pub quadric_rows: Rows,
-    /// Two rows of eight a triangle: a, ab, offset, material and [`Lights::diagonals`] (bits, see
-    /// [`DIAGONAL_SHIFT`]); ac, unit normal, probability of being chosen as a light, [`surface::near_edge`].
+    /// One row of eight a sphere: see [`SphereRow`].
+    pub sphere_rows: Rows,
+    /// Two rows of eight a triangle: see [`TriangleRow`].
     pub triangle_rows: Rows,
     /// Whether all triangles are parallel: then none hides another that it shares an edge with.
     pub are_parallel: bool,
@@ -66,12 +55,7 @@ pub struct Buffers {
     pub textures: Textures,
     /// What rays see that hit nothing.
     pub sky: Sky,
-    /// The lights that are sampled.
-    pub lights: Lights,
 }
-
-/// Above a triangle's material, in bits: what half of a quadrilateral it is, see [`Lights::diagonals`].
-pub const DIAGONAL_SHIFT: u32 = 30;
 
 /// The sky as shading reads it.
 #[derive(Clone, Copy, Debug)]
@@ -133,32 +117,24 @@ impl MaterialCode {
 }
 
 impl Buffers {
-    /// With the lights of [`LightChoice::Auto`].
-    pub fn new(scene: &Scene) -> Self {
-        Self::with_lights(scene, LightChoice::default())
-    }
-
-    /// With the lights that the choice selects.
-    pub fn with_lights(scene: &Scene, choice: LightChoice) -> Self {
-        let lights = Lights::new(scene, choice);
-        let probability = |number: usize| lights.chance(number);
-        let quadrics = scene.all_primitives().take(scene.first_triangle()).enumerate();
+    /// Flattens a scene. `light` says of each primitive, by its number, how it is sampled as a light.
+    pub fn new(scene: &Scene, light: impl Fn(usize) -> SampledAs) -> Self {
+        let first_triangle = scene.first_triangle();
+        let spheres = scene.spheres.iter().enumerate().map(|(number, sphere)| {
+            let offset = scene.primitive(number).shape().offset();
+            geometry::sphere_row(sphere, offset, light(number))
+        });
+        let normal = |triangle: &scene::Triangle| surface::triangle_normal(triangle.vertices);
+        let first_normal = scene.triangles.first().map(normal).unwrap_or_default();
         let triangles = scene.triangles.iter().enumerate();
-        let diagonal = |number: usize| lights.diagonals.get(number).copied().unwrap_or(0);
-        let (mut first_normal, mut are_parallel) = (None, true);
-        let triangle_rows = Rows::new(triangles.flat_map(|(number, triangle)| {
-            let number_of_all = scene.first_triangle() + number;
-            let rows = triangle_rows(triangle, probability(number_of_all), diagonal(number));
-            let n = Vec3::new(rows[1][3], rows[1][4], rows[1][5]);
-            are_parallel &= *first_normal.get_or_insert(n) == n || first_normal == Some(-n);
-            rows
-        }));
         Self {
-            needs: Features::of(scene).with(lights.needs()),
-            first_triangle: scene.first_triangle() as u32,
-            quadric_rows: Rows::new(quadrics.map(|(number, one)| one.quadric_row(probability(number)))),
-            are_parallel,
-            triangle_rows,
+            needs: Features::of(scene),
+            first_triangle: first_triangle as u32,
+            sphere_rows: Rows::new(spheres),
+            are_parallel: scene.triangles.iter().map(normal).all(|n| n == first_normal || n == -first_normal),
+            triangle_rows: Rows::new(triangles.flat_map(|(number, triangle)| {
+                geometry::triangle_rows(triangle, light(first_triangle + number))
+            })),
             uv_rows: Rows::new(scene.triangles.iter().zip(&scene.uvs).map(uv_row)),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
             normal_rows: Rows::new(scene.normals.iter().flat_map(normal_rows)),
@@ -167,16 +143,7 @@ impl Buffers {
             has_uvs: !scene.uvs.is_empty(),
             textures: Textures::new(&scene.textures),
             sky: Sky::new(scene.sky),
-            lights,
         }
-    }
-
-    /// Bytes held, without the triangles' intersection data.
-    pub fn bytes(&self) -> usize {
-        let Self { quadric_rows, triangle_rows, uv_rows, normal_rows, tangent_rows, .. } = self;
-        let rows = [quadric_rows, triangle_rows, uv_rows, normal_rows, tangent_rows];
-        let rows = rows.into_iter().chain([&self.material_rows, &self.material_extra]);
-        rows.map(Rows::bytes).sum::<usize>() + self.textures.bytes() + self.lights.bytes()
     }
 }
 
@@ -189,20 +156,6 @@ impl Sky {
         };
         Self { bottom, rise, texture, turn }
     }
-}
-
-/// See [`Buffers::triangle_rows`].
-fn triangle_rows(triangle: &scene::Triangle, probability: f32, diagonal: u8) -> [[f32; 8]; 2] {
-    let [a, b, c] = triangle.vertices;
-    let (ab, ac) = (b - a, c - a);
-    let n = triangle_normal(triangle.vertices);
-    let offset = triangle_offset(triangle.vertices);
-    let material = f32::from_bits(triangle.material | u32::from(diagonal) << DIAGONAL_SHIFT);
-    let near_edge = surface::near_edge(triangle.vertices, offset);
-    [
-        [a.x, a.y, a.z, ab.x, ab.y, ab.z, offset, material],
-        [ac.x, ac.y, ac.z, n.x, n.y, n.z, probability, near_edge],
-    ]
 }
 
 /// See [`Buffers::material_rows`].

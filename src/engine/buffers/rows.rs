@@ -42,10 +42,6 @@ impl Rows {
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
-    /// Memory of the rows.
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.rows.as_slice())
-    }
     /// Row `index` of each lane. `fits_registers` promises that the table has at most [`Rows::FEW`] rows; the
     /// result is the same with and without it.
     ///

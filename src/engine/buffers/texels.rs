@@ -73,11 +73,6 @@ impl Textures {
         let (grids, levels) = (Rows::new(grids.into_iter()), Rows::new(levels.into_iter()));
         Self { display, linear, grids, levels, few: textures.len() <= Rows::FEW }
     }
-    /// Memory of the texels.
-    pub fn bytes(&self) -> usize {
-        let texels = size_of_val(self.display.as_slice()) + size_of_val(self.linear.as_slice());
-        texels + self.grids.bytes() + self.levels.bytes()
-    }
 
     /// The colour, or the data, of texture `index` at a point. Only lanes in `active` are looked up; the
     /// others are unspecified.

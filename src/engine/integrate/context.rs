@@ -5,15 +5,12 @@ use crate::buffers::{Abilities, Buffers, Features};
 use crate::camera::Pinhole;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
+use crate::lights::Lights;
 use crate::math::Ray;
 use crate::rays::{Candidates, Structure};
 use crate::sampling::Sampler;
 
-/// Does the feature set `N` hold this feature? Constant for the compiler.
-#[inline(always)]
-pub const fn has(n: u32, feature: Features) -> bool {
-    Features(n).contains(feature)
-}
+pub use crate::buffers::has;
 
 /// Is this the pipeline with every feature? The longest functions of shading are called there, and inlined in
 /// others: a quarter less of the engine to compile, and as fast. See `perf/README.md`.
@@ -58,6 +55,8 @@ pub const fn abilities(n: u32) -> Abilities {
 pub struct TraceContext {
     /// The scene in flat form.
     pub buffers: Buffers,
+    /// The lights that are sampled.
+    pub lights: Lights,
     /// The scene for intersection.
     pub structure: Structure,
     /// The camera.

@@ -57,9 +57,9 @@ pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
     if !FIRST
         && has(N, Features::LIGHTS)
         && has(N, Features::SKY_TEXTURE)
-        && let Some((sky, chance)) = &context.buffers.lights.sky
+        && let Some((sky, probability)) = &context.lights.sky
     {
-        let pdf = sky.pdf(latitude_longitude(path.ray.direction)) * L::splat(*chance);
+        let pdf = sky.pdf(latitude_longitude(path.ray.direction)) * L::splat(*probability);
         radiance = radiance * mis_weight(path.inv_pdf, pdf);
     }
     Vec3::select(missed, radiance, Vec3::zero())

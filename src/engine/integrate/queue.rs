@@ -261,10 +261,22 @@ pub struct ShadowQueue {
     t_max: Column,
     radiance: Vec3Columns,
     slot: IntColumn,
-    /// Indices of lights, and [`Cone`]s. Only where hits decide: [`crate::buffers::Lights::hits_decide`].
+    /// Indices of lights, and [`Cone`]s. Only where [`crate::lights::Lights::needs_hits`].
     light: IntColumn,
     cone_width: Column,
     cone_angle: Column,
+}
+
+/// A packet of shadow rays.
+pub struct ShadowRay<L: Lane> {
+    /// Origin and direction.
+    pub ray: Ray<L>,
+    /// Hits from here on do not occlude.
+    pub t_max: L,
+    /// The radiance that it carries.
+    pub radiance: Vec3<L>,
+    /// The pixel's number, as in the path queue.
+    pub slot: L::Bits,
 }
 
 impl ShadowQueue {
@@ -296,19 +308,11 @@ impl ShadowQueue {
     }
     /// Stores the lanes of `mask` from `at` on.
     #[inline(always)]
-    pub fn store<L: Lane>(
-        &mut self,
-        at: usize,
-        mask: L::Mask,
-        ray: &Ray<L>,
-        t_max: L,
-        radiance: Vec3<L>,
-        slot: L::Bits,
-    ) {
-        self.origin.store(at, compress(ray.origin, mask));
-        self.direction.store(at, compress(ray.direction, mask));
-        t_max.compress(mask).store(&mut self.t_max[at..]);
-        self.radiance.store(at, compress(radiance, mask));
-        slot.compress(mask).store(&mut self.slot[at..]);
+    pub fn store<L: Lane>(&mut self, at: usize, mask: L::Mask, ray: &ShadowRay<L>) {
+        self.origin.store(at, compress(ray.ray.origin, mask));
+        self.direction.store(at, compress(ray.ray.direction, mask));
+        ray.t_max.compress(mask).store(&mut self.t_max[at..]);
+        self.radiance.store(at, compress(ray.radiance, mask));
+        ray.slot.compress(mask).store(&mut self.slot[at..]);
     }
 }

@@ -11,7 +11,7 @@ use super::material::{MaterialSample, texel_indices};
 use super::queue::IntColumn;
 use super::queue::{Path, PathQueue};
 use super::scratch::Scratch;
-use super::shadow_rays::sample_direct_light;
+use super::shadow_rays::{Scattering, sample_direct_light};
 use super::silhouettes::correct_hits;
 use super::surface::Surface;
 use crate::buffers::Features;
@@ -45,7 +45,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     correct_triangles::<L, N, FIRST>(context, scratch, paths);
     let (mut going_on, mut shadow_rays) = (0, 0);
     let columns = context.columns::<N>();
-    let sample_lights = has(N, Features::LIGHTS) && !context.buffers.lights.is_empty();
+    let sample_lights = has(N, Features::LIGHTS) && !context.lights.is_empty();
     if reads_texels_first(N) {
         texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
@@ -75,9 +75,9 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
             scattered.path.cone = scattered_cone(&path, &surface, &material, scattered.is_delta);
         }
         if sample_lights {
-            let (hit, event) = ((&surface, &material), (numbers, found));
-            shadow_rays =
-                sample_direct_light::<L, N>(context, (scratch, shadow_rays), &path, &scattered, hit, event);
+            let (path, surface, material, scattered) = (&path, &surface, &material, &scattered);
+            let at = Scattering { path, surface, material, scattered, numbers, found };
+            shadow_rays = sample_direct_light::<L, N>(context, scratch, shadow_rays, &at);
         }
         // In place: no more paths go on than were read, and they are stored where those began or before, so
         // nothing unread is overwritten.

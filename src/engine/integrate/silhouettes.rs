@@ -2,9 +2,10 @@
 
 use super::context::TraceContext;
 use super::scratch::Scratch;
+use crate::buffers::TriangleRow;
 use crate::kernel::surface::inset;
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{EPSILON, Hit, MISS, Vec3};
+use crate::math::{EPSILON, Hit, MISS};
 use crate::rays::{Hits, Rays};
 use crate::traverse::Tracer;
 use std::ops::Range;
@@ -41,21 +42,18 @@ pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
         }
         let ray = context.path::<L, N, FIRST>(&scratch.queue, at).ray;
         let triangle = L::Bits::select(near, hit.primitive, first_triangle);
-        let first =
-            triangle.wrapping_add(L::Bits::splat(context.buffers.first_triangle.wrapping_neg())).shl(1);
-        let rows = &context.buffers.triangle_rows;
-        let [ax, ay, az, abx, aby, abz, offset, _] = rows.fetch::<L>(first, false);
-        let [acx, acy, acz, nx, ny, nz, _, near_edge] = rows.fetch::<L>(first | L::Bits::splat(1), false);
+        let triangle = triangle.wrapping_add(L::Bits::splat(context.buffers.first_triangle.wrapping_neg()));
+        let TriangleRow { a, edges, ng, offset, near_edge, .. } =
+            TriangleRow::fetch(&context.buffers.triangle_rows, triangle, false);
         // As `triangle_offset`, of a ray that comes from far away.
         let error = L::splat(16.0 * EPSILON).mul_add(hit.t, offset);
         let at_edge = near & (hit.least_weight() * offset).lt(near_edge * L::splat(SHARE) * error);
         if !at_edge.any() {
             continue;
         }
-        let (ab, ac, n) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz), Vec3::new(nx, ny, nz));
-        let (u, v) = inset((hit.u, hit.v), [ab, ac], error);
-        let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
-        let before = n.flip_sign(-ray.direction.dot(n)).mul_add(error, point);
+        let (u, v) = inset((hit.u, hit.v), edges, error);
+        let point = edges[0].mul_add(u, edges[1].mul_add(v, a));
+        let before = ng.flip_sign(-ray.direction.dot(ng)).mul_add(error, point);
         for lane in at_edge.lanes() {
             let ends = [ray.origin.get(lane), before.get(lane)];
             let nearer = first_between(context, &mut scratch.tracer, ends);

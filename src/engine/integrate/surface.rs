@@ -3,14 +3,14 @@
 use super::context::TraceContext;
 use super::context::has;
 use super::queue::Path;
-use crate::buffers::{DIAGONAL_SHIFT, Features, quadric_surface};
-use crate::kernel::light::{self, FlatLight};
+use crate::buffers::{Features, SphereRow, TriangleRow};
 use crate::kernel::normals;
 use crate::kernel::ray_cone;
-use crate::kernel::surface::{inset, latitude_longitude};
+use crate::kernel::surface::{inset, latitude_longitude, sphere_surface};
 use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{Hit, Ray, Vec3};
+use crate::lights;
+use crate::math::{Hit, Vec3};
 
 /// The surfaces at a packet's hits.
 pub struct Surface<L: Lane> {
@@ -26,7 +26,7 @@ pub struct Surface<L: Lane> {
     /// Index of the triangle, where it is one.
     triangle: L::Bits,
     /// Texture offset of spheres in u. Its sign bit is set where u runs the other way: see
-    /// [`crate::buffers`].
+    /// [`SphereRow::turn`].
     turn: L,
     barycentric: (L, L),
     /// Of the triangle: first to second vertex, first to third.
@@ -99,17 +99,18 @@ impl<L: Lane> Surface<L> {
     ) {
         let index = L::Bits::select(used, hit.primitive, L::Bits::splat(0));
         let fits_registers = !has(N, Features::MANY_SPHERES);
-        let row = context.buffers.quadric_rows.fetch::<L>(index, fits_registers);
-        (self.point, self.ng, self.turn) = quadric_surface::<L, N>(row, path.ray.at(hit.t), used);
-        let [x, y, z, inverse_radius, offset, material, _, chance] = row;
-        self.offset = offset;
-        self.material = material.to_bits();
+        let sphere = SphereRow::fetch(&context.buffers.sphere_rows, index, fits_registers);
+        let SphereRow { center, inverse_radius, .. } = sphere;
+        (self.point, self.ng) = sphere_surface(path.ray.at(hit.t), center, inverse_radius, used);
+        self.turn = sphere.turn;
+        self.offset = sphere.offset;
+        self.material = sphere.material;
         if context.carries_cones::<N>() {
             self.curvature = inverse_radius.only(self.is_sphere);
         }
-        if has(N, Features::LIGHTS) && L::zero().lt(chance).any() {
-            let radius = L::one() / inverse_radius;
-            self.light_pdf = chance * light::sphere_pdf(Vec3::new(x, y, z) - path.ray.origin, radius);
+        if has(N, Features::LIGHTS) && sphere.light.are_sampled().any() {
+            let pdf = lights::sphere::pdf(center - path.ray.origin, L::one() / inverse_radius);
+            self.light_pdf = sphere.light.probability() * pdf;
         }
     }
 
@@ -117,45 +118,27 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     fn set_triangle<const N: u32>(&mut self, context: &TraceContext, path: &Path<L>, hit: &Hit<L>) {
         let fits_registers = !has(N, Features::MANY_TRIANGLES);
-        let first = self.triangle.shl(1);
-        let [ax, ay, az, abx, aby, abz, offset, material] =
-            context.buffers.triangle_rows.fetch::<L>(first, fits_registers);
-        let second = first | L::Bits::splat(1);
-        let [acx, acy, acz, nx, ny, nz, chance, near_edge] =
-            context.buffers.triangle_rows.fetch::<L>(second, fits_registers);
+        let triangle = TriangleRow::fetch(&context.buffers.triangle_rows, self.triangle, fits_registers);
         let (mut u, mut v) = self.barycentric;
-        let (ab, ac) = (Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz));
-        let at_edge = hit.least_weight().lt(near_edge);
+        let at_edge = hit.least_weight().lt(triangle.near_edge);
         if at_edge.any() {
-            let moved = inset((u, v), [ab, ac], offset);
+            let moved = inset((u, v), triangle.edges, triangle.offset);
             (u, v) = (L::select(at_edge, moved.0, u), L::select(at_edge, moved.1, v));
         }
-        let point = ab.mul_add(u, ac.mul_add(v, Vec3::new(ax, ay, az)));
-        self.edges = [ab, ac];
+        let [ab, ac] = triangle.edges;
+        let point = ab.mul_add(u, ac.mul_add(v, triangle.a));
+        self.edges = triangle.edges;
         let keep = self.is_sphere;
         self.point = Vec3::select(keep, self.point, point);
-        self.ng = Vec3::select(keep, self.ng, Vec3::new(nx, ny, nz));
-        self.offset = L::select(keep, self.offset, offset);
-        let material = material.to_bits();
-        let index = material & L::Bits::splat((1 << DIAGONAL_SHIFT) - 1);
-        self.material = L::Bits::select(keep, self.material, index);
+        self.ng = Vec3::select(keep, self.ng, triangle.ng);
+        self.offset = L::select(keep, self.offset, triangle.offset);
+        self.material = L::Bits::select(keep, self.material, triangle.material);
         if has(N, Features::LIGHTS) {
             let mut pdf = L::zero();
-            if (!keep & !chance.eq(L::zero())).any() {
-                let Ray { origin, direction } = path.ray;
-                let a = Vec3::new(ax, ay, az) - origin;
-                let diagonal = material.shr(DIAGONAL_SHIFT);
-                let mut flat = flat_light(a, ab, ac, diagonal);
-                let mut chance = chance;
-                let in_pieces = !keep & chance.lt(L::zero());
-                if has(N, Features::MANY_LIGHTS) && in_pieces.any() {
-                    let piece = context.buffers.lights.piece_at(chance, self.barycentric, in_pieces);
-                    flat = FlatLight::select(in_pieces, piece.flat(origin), flat);
-                    chance = L::select(in_pieces, piece.probability, chance);
-                }
-                pdf = chance * light::flat_pdf(&flat, direction, hit.t);
+            if (!keep & triangle.light.are_sampled()).any() {
+                pdf = context.lights.triangle_pdf::<L, N>(&triangle, &path.ray, hit, !keep);
             }
-            // Lanes on non-emissive triangles hold the pdf of some sphere: overwrite them too.
+            // Lanes on triangles that are no lights hold the pdf of some sphere: overwrite them too.
             self.light_pdf = L::select(keep, self.light_pdf, pdf);
         }
     }
@@ -236,22 +219,6 @@ impl<L: Lane> Surface<L> {
             footprint = ray_cone::footprint(self.cone_width, self.facing, density);
         }
         TexturePoint { u: coordinates.0, v: coordinates.1, clamp_v: self.is_sphere, footprint }
-    }
-}
-
-/// The light that the triangle a, a + ab, a + ac is, or is a half of: `diagonal` is one more than the index
-/// of the vertex opposite the other half, 0 without one.
-#[inline(always)]
-fn flat_light<L: Lane>(a: Vec3<L>, ab: Vec3<L>, ac: Vec3<L>, diagonal: L::Bits) -> FlatLight<L> {
-    let [first, second, third] = [1, 2, 3].map(|index| diagonal.equals(L::Bits::splat(index)));
-    let turned = |from_b: Vec3<L>, from_c: Vec3<L>, from_a: Vec3<L>| {
-        Vec3::select(third, from_c, Vec3::select(second, from_b, from_a))
-    };
-    FlatLight {
-        a: turned(a + ab, a + ac, a),
-        ab: turned(ac - ab, ac * -L::one(), ab),
-        ac: turned(ab * -L::one(), ab - ac, ac),
-        is_quad: first | second | third,
     }
 }
 

@@ -3,7 +3,6 @@
 //! Kernels allocate nothing, look nothing up and never panic.
 
 pub mod bsdf;
-pub mod light;
 pub mod normals;
 pub mod ray_cone;
 pub mod surface;

@@ -1,7 +1,8 @@
 //! The methods of a rendering, chosen at run time: intersection methods, traversal, light sampling, sampler.
 
-use crate::buffers::{Features, LightChoice, Lights};
+use crate::buffers::Features;
 use crate::choice::{Choice, choices, serde_by_name};
+use crate::lights::{LightChoice, Lights};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use octray_rays::kind::sphere::SphereTest;

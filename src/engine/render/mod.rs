@@ -13,6 +13,7 @@ use crate::film::{Film, TileSums};
 use crate::integrate::stats::Stats;
 use crate::integrate::{MAX_TILES, Pipeline, Scratch, TraceContext, generate, pipeline_for, trace_path};
 use crate::lane::{F32x8, Native, WIDTHS};
+use crate::lights::Lights;
 use crate::math::{Hit, MISS};
 use crate::path_vertex::PathVertex;
 use crate::rays::Candidates;
@@ -115,10 +116,11 @@ impl Renderer {
         assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
         assert!(WIDTHS.contains(&lanes), "{lanes} lanes");
         let camera = Pinhole::new(&scene.camera, resolution);
-        let mut buffers = Buffers::with_lights(scene, settings.methods.lights);
-        buffers.needs = buffers.needs.with(features_of(scene));
+        let lights = Lights::new(scene, settings.methods.lights);
+        let mut buffers = Buffers::new(scene, |number| lights.sampled_as(number));
+        buffers.needs = buffers.needs.with(lights.needs()).with(features_of(scene));
         let geometry = scene.geometry();
-        let structure = settings.methods.structure(scene, &geometry, lanes, &buffers.lights);
+        let structure = settings.methods.structure(scene, &geometry, lanes, &lights);
         let mut visible = Vec::new();
         if structure.accepts_candidates() {
             find_visible(&mut visible, &geometry, &camera, &settings, usize::MAX);
@@ -126,6 +128,7 @@ impl Renderer {
         let context = TraceContext {
             visible,
             buffers,
+            lights,
             structure,
             camera,
             width: resolution[0],

@@ -1,14 +1,13 @@
 //! The scene as a whole, and the kinds of its primitives: spheres and triangles.
 //!
-//! What differs from kind to kind is a method of [`Primitive`], here or in `buffers/geometry.rs`; how rays
-//! hit them is in [`crate::traverse`].
+//! What differs from kind to kind is a method of [`Primitive`], a row of `buffers/geometry.rs`, and as a light a
+//! file of [`crate::lights`]; how rays hit them is in [`crate::traverse`].
 
 use super::camera::Camera;
 use super::material::Material;
 use super::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 use octray_rays::{Coordinates, Geometry, Shape};
-use std::f32::consts::PI;
 use std::path::PathBuf;
 
 /// A valid scene: every index is in range, every number finite, every radius positive, no triangle has zero
@@ -216,19 +215,6 @@ impl<'a> Primitive<'a> {
         match self {
             Self::Sphere(sphere) => Shape::Sphere(sphere.shape()),
             Self::Triangle(triangle) => Shape::Triangle(triangle.vertices),
-        }
-    }
-    /// The power that it emits, on all sides, at a radiance of 1; 0 where no light sampling exists for it.
-    pub fn unit_power(self) -> f64 {
-        match self {
-            Self::Sphere(sphere) => {
-                let radius = f64::from(sphere.radius);
-                4.0 * f64::from(PI) * f64::from(PI) * radius * radius
-            }
-            Self::Triangle(triangle) => {
-                let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
-                f64::from(PI) * (b - a).cross(c - a).length()
-            }
         }
     }
 }

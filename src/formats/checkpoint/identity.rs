@@ -2,8 +2,8 @@
 
 use super::fingerprint::Fingerprint;
 use octray_engine::adaptive::Target;
-use octray_engine::buffers::LightChoice;
 use octray_engine::lane::FUSED;
+use octray_engine::lights::LightChoice;
 use octray_engine::render::Settings;
 use octray_engine::render::{Methods, SphereChoice, TriangleChoice};
 use octray_engine::sampling::Sampler;

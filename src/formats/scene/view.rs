@@ -8,7 +8,7 @@ use super::json::{JsonPath, Source};
 use super::native::{CameraFile, KeyframeFile, VIEW_FORMAT};
 use super::validate::camera_of;
 use super::write;
-use octray_engine::buffers::LightChoice;
+use octray_engine::lights::LightChoice;
 use octray_engine::render::PipelineChoice;
 use octray_engine::render::{SphereChoice, TraversalChoice, TriangleChoice};
 use octray_engine::sampling::Sampler;

@@ -2,9 +2,9 @@
 
 use super::quantiles::Rounds;
 use super::timed::{Ratio, TimedRenderer, Times};
-use crate::buffers::LightChoice;
 use crate::film::{Film, Picture};
 use crate::lane::WIDTHS;
+use crate::lights::LightChoice;
 use crate::reference::{PathSettings, Reference, Verdict};
 use crate::render::Methods;
 use crate::render::{LaneChoice, PrimaryHit, Renderer, Settings};

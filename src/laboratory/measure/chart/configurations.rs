@@ -3,8 +3,9 @@
 //! Each differs from the default in one setting, so that the chart shows the cost and the benefit of that
 //! setting.
 
-use crate::buffers::{Features, LightChoice};
+use crate::buffers::Features;
 use crate::lane::WIDTHS;
+use crate::lights::LightChoice;
 use crate::render::{PipelineChoice, Renderer, Settings};
 use crate::render::{SphereChoice, TraversalChoice, TriangleChoice};
 use crate::sampling::Sampler;

@@ -2,8 +2,8 @@
 
 use super::rng::Rng;
 use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare};
-use crate::kernel::light::{self, FlatLight, LightSample};
 use crate::lane::functions;
+use crate::lights::{FlatLight, LightSample, flat, sphere};
 use crate::math::Vec3;
 use crate::sampling::warp;
 use glam::DVec3;
@@ -135,7 +135,7 @@ fn taylor(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
 
 /// Returns the renderer's method.
 fn sine(center: Vec3<f32>, radius: f32, u: f32, v: f32) -> DirectionPdf {
-    let LightSample { wi, pdf, .. } = light::sample_sphere(center, radius, u, v);
+    let LightSample { wi, pdf, .. } = sphere::sample(center, radius, u, v);
     (wi, pdf)
 }
 
@@ -212,7 +212,7 @@ fn determinant(light: FlatLight<f32>, _: f32, _: f32) -> DirectionPdf {
 
 /// Returns the renderer's method, for triangles and parallelograms.
 fn whole_or_area(light: FlatLight<f32>, u: f32, v: f32) -> DirectionPdf {
-    let LightSample { wi, pdf, .. } = light::sample_flat(&light, u, v);
+    let LightSample { wi, pdf, .. } = flat::sample(&light, u, v);
     (wi, pdf)
 }
 

@@ -3,6 +3,7 @@
 
 use super::many_lamps;
 use crate::common::*;
+use octray::buffers::SampledAs;
 use octray::kernel::surface::{sphere_offset, triangle_offset};
 use std::collections::HashMap;
 
@@ -11,9 +12,13 @@ fn a_rectangular_lamp_is_one_light() {
     let cornell = load("builtin:cornell").unwrap();
     let lights = Lights::new(&cornell, LightChoice::Auto);
     assert_eq!(lights.len(), 1);
-    assert_eq!(lights.diagonals.iter().filter(|&&diagonal| diagonal > 0).count(), 2);
+    let halves = |lights: &Lights| {
+        let sampled = (0..cornell.primitives()).map(|number| lights.sampled_as(number));
+        sampled.filter(|sampled| matches!(sampled, SampledAs::Half(..))).count()
+    };
+    assert_eq!(halves(&lights), 2);
     let by_power = Lights::new(&cornell, LightChoice::Power);
-    assert_eq!((by_power.len(), by_power.diagonals.len()), (2, 0));
+    assert_eq!((by_power.len(), halves(&by_power)), (2, 0));
     let is_lamp = |material: u32| cornell.materials[material as usize].emission != Vec3::ZERO;
     let mut bent = cornell.clone();
     for triangle in bent.triangles.iter_mut().filter(|triangle| is_lamp(triangle.material)) {
@@ -102,7 +107,7 @@ fn chosen_lights_bring_the_error_bound_of_their_surface() {
     let lights = Lights::new(&scene, LightChoice::Power);
     let mut checked = HashMap::new();
     for number in 0..2_000 {
-        let (light, _) = lights.choose::<f32>(number as f32 / 2_000.0, || 0.3, || 0.6, false);
+        let (light, _) = lights.choose_by_power::<f32>(number as f32 / 2_000.0, || 0.3, || 0.6, false);
         let at = vec3(light.at.x, light.at.y, light.at.z);
         let sphere = scene.spheres.iter().find(|sphere| sphere.center == at);
         let triangle = scene.triangles.iter().find(|triangle| triangle.vertices[0] == at);

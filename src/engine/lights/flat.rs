@@ -1,94 +1,119 @@
-//! Sampling directions towards lights, and their pdfs.
-//!
-//! Shapes: `WIDTH` lit points with a light each; vectors are relative to the lit point.
-//! Units: pdfs per solid angle, in 1/sr; 0 where the light cannot be sampled. Then only scattered rays find
-//! it.
-//! Domain: u and v are uniform in [0, 1).
+//! Flat lights: triangles, parallelograms of two triangles, and pieces of textured triangles. They are sampled
+//! uniformly in solid angle.
 
+use super::importance::Importance;
+use super::power::{BlockMeans, GRID};
+use super::table::{KindCode, LightRow};
+use super::{ChosenLight, LightSample, Lights, valid_pdf};
+use crate::buffers::{Features, TriangleRow, has};
 use crate::lane::{Lane, Mask, functions};
-use crate::math::Vec3;
-use crate::sampling::warp;
-use std::f32::consts::TAU;
+use crate::math::{Hit, Ray, Vec3};
+use crate::scene::Triangle;
+use glam::{DVec2, DVec3, Vec2};
+use std::f32::consts::PI;
 
-/// A sampled point of a light.
-#[derive(Clone, Copy, Debug)]
-pub struct LightSample<L: Lane> {
-    /// Unit vector towards the point.
-    pub wi: Vec3<L>,
-    /// Distance to the point, in scene units.
-    pub t: L,
-    /// The light's unit normal there, on the lit side.
-    pub n: Vec3<L>,
-    /// The pdf of `wi`.
-    pub pdf: L,
+/// A flat light before it is a row of the table.
+#[derive(Clone, Copy)]
+pub(super) struct Flat {
+    /// The first vertex, and the edges from there to the second and third.
+    pub a: DVec3,
+    pub ab: DVec3,
+    pub ac: DVec3,
+    /// Whether it is the parallelogram that continues the triangle.
+    pub is_quad: bool,
 }
 
-impl<L: Lane> LightSample<L> {
-    /// Lane by lane, one of two samples.
-    #[inline(always)]
-    pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
-        Self {
-            wi: Vec3::select(mask, if_true.wi, if_false.wi),
-            t: L::select(mask, if_true.t, if_false.t),
-            n: Vec3::select(mask, if_true.n, if_false.n),
-            pdf: L::select(mask, if_true.pdf, if_false.pdf),
+impl Flat {
+    /// Returns a triangle as a light, or the parallelogram whose half it is: `vertex` is then the one
+    /// opposite the other half.
+    pub fn new(triangle: &Triangle, vertex: Option<usize>) -> Self {
+        let at = |index: usize| triangle.vertices[(vertex.unwrap_or(0) + index) % 3].as_dvec3();
+        Self { a: at(0), ab: at(1) - at(0), ac: at(2) - at(0), is_quad: vertex.is_some() }
+    }
+
+    /// Returns its row of the table; `offset` is its error bound.
+    pub fn row(&self, offset: f32) -> LightRow {
+        let edges = [self.ab.as_vec3(), self.ac.as_vec3()];
+        let kind = if self.is_quad { KindCode::Parallelogram } else { KindCode::Triangle };
+        LightRow { at: self.a.as_vec3(), edges, offset, ..LightRow::new(kind) }
+    }
+
+    /// Returns what it is weighed by, with this power.
+    pub fn importance(&self, power: f64) -> Importance {
+        let Self { a, ab, ac, is_quad } = *self;
+        let (b, c) = (a + ab, a + ac);
+        let center = if is_quad { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
+        let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
+        Importance::Bounded {
+            center: center.as_vec3(),
+            radius: radius as f32,
+            normal: Some(ab.cross(ac).normalize().as_vec3()),
+            power: (0.5 * (power / f64::from(PI))) as f32,
         }
     }
 }
 
-/// The cone that a sphere subtends.
-struct Cone<L: Lane> {
-    /// The squared distance of the centre, and one over the distance.
-    distance2: L,
-    per_distance: L,
-    /// 1 − cos θ of its half angle; NaN from inside the sphere.
-    one_minus_cos: L,
+/// Returns the power that a triangle emits, on both sides, at a radiance of 1.
+pub(super) fn unit_power(triangle: &Triangle) -> f64 {
+    let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
+    f64::from(PI) * (b - a).cross(c - a).length()
 }
 
-impl<L: Lane> Cone<L> {
+/// Returns the sum of a texture's texels over a triangle with these texture coordinates, and their number.
+pub(super) fn sum_of_texels(texture: &BlockMeans, uvs: &[Vec2; 3]) -> (DVec3, f64) {
+    let (level, points) = texture.points(sides(uvs), GRID);
+    points
+        .map(inside)
+        .fold((DVec3::ZERO, 0.0), |(sum, count), at| (sum + texture.mean(level, blend(uvs, at)), count + 1.0))
+}
+
+/// Returns a point of the unit square, moved into its lower triangle.
+pub(super) fn inside(at: DVec2) -> DVec2 {
+    if at.x + at.y > 1.0 { DVec2::ONE - at } else { at }
+}
+
+/// Returns the texture coordinates of a triangle at barycentrics.
+pub(super) fn blend(uvs: &[Vec2; 3], at: DVec2) -> DVec2 {
+    let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
+    a + (b - a) * at.x + (c - a) * at.y
+}
+
+/// Returns the differences of texture coordinates along two sides of a triangle.
+pub(super) fn sides([a, b, c]: &[Vec2; 3]) -> [DVec2; 2] {
+    [*b - *a, *c - *a].map(|side| side.as_dvec2())
+}
+
+impl<L: Lane> ChosenLight<L> {
+    /// Returns the light as seen from `origin`, in the lanes of flat lights.
     #[inline(always)]
-    fn new(center: Vec3<L>, radius: L) -> Self {
-        let distance2 = center.dot(center);
-        let per_distance = L::one() / distance2.sqrt();
-        let sine = radius * per_distance;
-        let sin2 = sine * sine;
-        // 1 − cos θ = sin² θ / (1 + cos θ), which does not cancel at any distance.
-        let one_minus_cos = sin2 / (L::one() + (L::one() - sin2).sqrt());
-        Self { distance2, per_distance, one_minus_cos }
+    pub fn flat(&self, origin: Vec3<L>) -> FlatLight<L> {
+        let [ab, ac] = self.edges;
+        FlatLight { a: self.at - origin, ab, ac, is_quad: self.is_quad }
     }
-    /// One over the solid angle; 0 from inside the sphere and on it.
+}
+
+impl Lights {
+    /// Returns the pdf with which light sampling at a ray's origin samples its direction, where the ray hits
+    /// a triangle: that of the light that the triangle is, is half of, or has a piece of at the hit. Only for
+    /// the lanes of `mask`.
     #[inline(always)]
-    fn pdf(&self) -> L {
-        valid_pdf(L::splat(1.0 / TAU) / self.one_minus_cos)
+    pub fn triangle_pdf<L: Lane, const N: u32>(
+        &self,
+        triangle: &TriangleRow<L>,
+        ray: &Ray<L>,
+        hit: &Hit<L>,
+        mask: L::Mask,
+    ) -> L {
+        let mut light = FlatLight::from_triangle(triangle, ray.origin);
+        let mut probability = triangle.light.probability();
+        let in_pieces = mask & triangle.light.are_in_pieces();
+        if has(N, Features::MANY_LIGHTS) && in_pieces.any() {
+            let piece = self.piece_at(triangle.light.first_piece(), (hit.u, hit.v), in_pieces);
+            light = FlatLight::select(in_pieces, piece.flat(ray.origin), light);
+            probability = L::select(in_pieces, piece.probability, probability);
+        }
+        probability * pdf(&light, ray.direction, hit.t)
     }
-}
-
-/// The pdf of directions towards a sphere: one over its solid angle; 0 from inside it and on it.
-///
-/// Domain: a radius of at least 1e-15 distances.
-#[inline(always)]
-pub fn sphere_pdf<L: Lane>(center: Vec3<L>, radius: L) -> L {
-    Cone::new(center, radius).pdf()
-}
-
-/// A direction uniform in the cone that a sphere subtends, and the first point of the sphere there. The
-/// normal has unit length within 4 ε times the distance over the radius; of spheres more than 2²⁰ radii away
-/// it is shorter, at most about 1.
-#[inline(always)]
-pub fn sample_sphere<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> LightSample<L> {
-    let cone = Cone::new(center, radius);
-    let Cone { distance2, per_distance, one_minus_cos } = cone;
-    let (wi, cos, sin2) = warp::sample_uniform_cone(center * per_distance, one_minus_cos, u, v);
-    // The smaller root of t² − 2 t d cos θ + d² − r², from the product of the roots: the difference would
-    // cancel.
-    let radius2 = radius * radius;
-    let half_chord = (sin2.neg_mul_add(distance2, radius2)).max(L::zero()).sqrt();
-    let distance = distance2 * per_distance;
-    let t = (distance2 - radius2) / distance.mul_add(cos, half_chord);
-    // Farther away, the difference is rounding error, longer than the radius.
-    let length = radius.max(distance * L::splat(f32::powi(0.5, 20)));
-    let n = (wi * t - center) * (L::one() / length);
-    LightSample { wi, t, n, pdf: cone.pdf() }
 }
 
 /// A flat light relative to the lit point: the triangle a, a + ab, a + ac, or the parallelogram that
@@ -106,6 +131,21 @@ pub struct FlatLight<L: Lane> {
 }
 
 impl<L: Lane> FlatLight<L> {
+    /// Returns the light that a hit triangle is, or is half of, as seen from `origin`.
+    #[inline(always)]
+    fn from_triangle(triangle: &TriangleRow<L>, origin: Vec3<L>) -> Self {
+        let (a, [ab, ac]) = (triangle.a - origin, triangle.edges);
+        let [first, second, third] = triangle.light.opposite_vertex();
+        let turned = |from_b: Vec3<L>, from_c: Vec3<L>, from_a: Vec3<L>| {
+            Vec3::select(third, from_c, Vec3::select(second, from_b, from_a))
+        };
+        Self {
+            a: turned(a + ab, a + ac, a),
+            ab: turned(ac - ab, ac * -L::one(), ab),
+            ac: turned(ab * -L::one(), ab - ac, ac),
+            is_quad: first | second | third,
+        }
+    }
     /// Lane by lane, one of two lights.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
@@ -237,20 +277,20 @@ impl<L: Lane> SphericalLight<L> {
     }
 }
 
-/// The pdf of the unit direction `wi` that meets the light at `t`.
+/// Returns the pdf of the unit direction `wi` that meets the light at `t`.
 #[inline(always)]
-pub fn flat_pdf<L: Lane>(light: &FlatLight<L>, wi: Vec3<L>, t: L) -> L {
+pub fn pdf<L: Lane>(light: &FlatLight<L>, wi: Vec3<L>, t: L) -> L {
     SphericalLight::new(light).pdf(light, wi, t)
 }
 
-/// A direction towards a flat light: uniform in solid angle, or by area below `MIN_SOLID_ANGLE`.
+/// Samples a direction towards a flat light: uniform in solid angle, or by area below `MIN_SOLID_ANGLE`.
 ///
 /// Domain: edges of at least 1e-10 scene units; below, the square of the area underflows, and `n` is not a
 /// unit vector.
 /// Source: Arvo, "Stratified Sampling of Spherical Triangles", SIGGRAPH 1995; in the form of Peters without
 /// angles, and fans of triangles, "BRDF Importance Sampling for Polygonal Lights", ACM TOG 40(4), 2021, §4.
 #[inline(always)]
-pub fn sample_flat<L: Lane>(light: &FlatLight<L>, u: L, v: L) -> LightSample<L> {
+pub fn sample<L: Lane>(light: &FlatLight<L>, u: L, v: L) -> LightSample<L> {
     let spherical = SphericalLight::new(light);
     let by_area = {
         // Uniform barycentrics: Osada et al., "Shape Distributions", ACM TOG 21(4), 2002.
@@ -264,10 +304,4 @@ pub fn sample_flat<L: Lane>(light: &FlatLight<L>, u: L, v: L) -> LightSample<L> 
     let n = spherical.normal.normalize().flip_sign(spherical.height) * -L::one();
     let pdf = spherical.pdf(light, wi, t).only(L::zero().lt(t));
     LightSample { wi, t, n, pdf }
-}
-
-/// The pdf where it is finite and above 0; else 0.
-#[inline(always)]
-fn valid_pdf<L: Lane>(pdf: L) -> L {
-    pdf.only(L::zero().lt(pdf) & pdf.is_finite())
 }

@@ -1,8 +1,12 @@
-//! The environment light: the sky's texture as a piecewise constant distribution over directions. The tables
-//! are built here and sampled in [`crate::light_sampling`].
+//! The environment as a light: the sky's texture as a piecewise constant distribution over directions.
 
-use crate::math::portable;
+use super::LightSample;
+use super::importance::Importance;
+use super::table::{KindCode, LightRow};
+use crate::lane::{Bits, Lane, functions};
+use crate::math::{Vec3, portable};
 use crate::scene::{Filter, Scene, Sky, Texture};
+use std::f32::consts::PI as PI_F32;
 use std::f64::consts::{PI, TAU};
 
 /// A latitude/longitude grid of cells; the pdf is constant within a cell.
@@ -11,18 +15,18 @@ use std::f64::consts::{PI, TAU};
 /// low-discrepancy points well spread: Pharr et al., PBR 4ed §A.4.7 and §12.5.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
-    pub(crate) rows: u32,
-    pub(crate) columns: u32,
+    rows: u32,
+    columns: u32,
     /// The marginal CDF of rows, from the top. Bits.
-    pub(crate) row_cdf: Vec<u32>,
+    row_cdf: Vec<u32>,
     /// For each row, the conditional CDF of its columns, from the left. Bits.
-    pub(crate) column_cdfs: Vec<u32>,
+    column_cdfs: Vec<u32>,
     /// The pdf of each cell, in 1/sr. Bits.
-    pub(crate) pdfs: Vec<u32>,
+    pdfs: Vec<u32>,
     /// Cosines of the polar angle at the rows' upper edges, and at the last one's lower edge. Bits.
-    pub(crate) edge_cosines: Vec<u32>,
+    edge_cosines: Vec<u32>,
     /// Turns of the texture: see [`Sky::Texture`].
-    pub(crate) turn: f32,
+    turn: f32,
     /// The mean radiance over all directions.
     pub mean: f64,
     /// The mean of the squared radiance over the square of the mean: 1 for a uniform sky.
@@ -53,7 +57,7 @@ fn cdf(parts: &[f64]) -> Vec<f64> {
 }
 
 impl EnvironmentLight {
-    /// The light of a scene whose sky is a texture; `None` where it is black.
+    /// Returns the light of a scene whose sky is a texture; `None` where it is black.
     pub fn of(scene: &Scene) -> Option<Self> {
         let Sky::Texture { texture, color, turn } = scene.sky else { return None };
         let color = f64::from(color.element_sum()) / 3.0;
@@ -108,9 +112,80 @@ impl EnvironmentLight {
             contrast: squares / (2.0 * TAU) / (mean * mean),
         }
     }
-    /// Memory of the tables.
-    pub fn bytes(&self) -> usize {
-        let tables = [&self.row_cdf, &self.column_cdfs, &self.pdfs, &self.edge_cosines];
-        tables.iter().map(|table| size_of_val(table.as_slice())).sum()
+
+    /// Returns the power that arrives from the sky at a sphere around the scene.
+    pub(super) fn power(&self, scene: &Scene) -> f64 {
+        let (lower, upper) = scene.bounds();
+        let radius = (upper - lower).length() / 2.0;
+        4.0 * f64::from(PI_F32) * f64::from(PI_F32) * radius * radius * self.mean
     }
+
+    /// Returns its row of the table.
+    pub(super) fn row() -> LightRow {
+        LightRow::new(KindCode::Environment)
+    }
+
+    /// Returns what it is weighed by.
+    pub(super) fn importance(&self) -> Importance {
+        Importance::Everywhere { irradiance: (f64::from(PI_F32) * self.mean) as f32 }
+    }
+}
+
+impl EnvironmentLight {
+    /// Samples a direction. Its `t` is infinite.
+    #[inline(always)]
+    pub fn sample<L: Lane>(&self, u: L, v: L) -> LightSample<L> {
+        let read = |table: &[u32], at: L::Bits| L::from_bits(L::gather_bits(table, at));
+        let (row, down) = invert_cdf::<L>(&self.row_cdf, L::Bits::splat(0), self.rows, v);
+        let first = row.wrapping_mul(L::Bits::splat(self.columns));
+        let (column, across) = invert_cdf::<L>(&self.column_cdfs, first, self.columns, u);
+        let upper = read(&self.edge_cosines, row);
+        let lower = read(&self.edge_cosines, row.wrapping_add(L::Bits::splat(1)));
+        let y = (lower - upper).mul_add(down, upper);
+        let sin = y.neg_mul_add(y, L::one()).max(L::zero()).sqrt();
+        let turns =
+            (L::from_int(column) + across) * L::splat(1.0 / self.columns as f32) - L::splat(self.turn);
+        let (sin_around, cos_around) = functions::sin_cos_turns(turns);
+        let direction = Vec3::new(sin * cos_around, y, sin * sin_around).normalize();
+        let pdf = read(&self.pdfs, first.wrapping_add(column));
+        LightSample { wi: direction, t: L::splat(f32::INFINITY), n: Vec3::zero(), pdf }
+    }
+
+    /// Returns the pdf of [`Self::sample`], in 1/sr, at the direction with these
+    /// [`crate::kernel::surface::latitude_longitude`] coordinates, u unwrapped and v from the top.
+    #[inline(always)]
+    pub fn pdf<L: Lane>(&self, (u, v): (L, L)) -> L {
+        let cell_along = |x: L, count: u32| {
+            let at = (x * L::splat(count as f32)).max(L::zero()).truncate_to_int();
+            let last = L::Bits::splat(count - 1);
+            L::Bits::select(last.less(at), last, at)
+        };
+        let u = u + L::splat(self.turn);
+        let (column, row) = (cell_along(u - u.floor(), self.columns), cell_along(v, self.rows));
+        let cell = row.wrapping_mul(L::Bits::splat(self.columns)).wrapping_add(column);
+        L::from_bits(L::gather_bits(&self.pdfs, cell))
+    }
+}
+
+/// Inverts the CDF in the `count` entries of `cdf` from `first` on, at a number of [0, 1): the index of the
+/// interval, counted from `first`, and the position within it, in [0, 1].
+#[inline(always)]
+fn invert_cdf<L: Lane>(cdf: &[u32], first: L::Bits, count: u32, number: L) -> (L::Bits, L) {
+    let read = |at: L::Bits| L::from_bits(L::gather_bits(cdf, first.wrapping_add(at)));
+    let before = |at: L::Bits| read(at.wrapping_add(L::Bits::splat(u32::MAX)));
+    // Binary search for the last interval that starts at the number or below it.
+    let last = L::Bits::splat(count - 1);
+    let (mut found, mut step) = (L::Bits::splat(0), count.next_power_of_two() / 2);
+    while step > 0 {
+        let next = found.wrapping_add(L::Bits::splat(step));
+        let fits = !last.less(next);
+        let starts_below = before(L::Bits::select(fits, next, last)).le(number);
+        found = L::Bits::select(fits & starts_below, next, found);
+        step /= 2;
+    }
+    let is_first = found.equals(L::Bits::splat(0));
+    let start = L::select(is_first, L::zero(), before(L::Bits::select(is_first, L::Bits::splat(1), found)));
+    let width = read(found) - start;
+    let within = (number - start) / L::select(L::zero().lt(width), width, L::one());
+    (found, within.max(L::zero()).min(L::one()))
 }

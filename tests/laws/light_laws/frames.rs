@@ -4,8 +4,8 @@
 use super::{many_lamps, render, square};
 use crate::common::statistics::mean_and_error;
 use crate::common::*;
-use octray::buffers::EnvironmentLight;
 use octray::kernel::surface::latitude_longitude;
+use octray::lights::EnvironmentLight;
 use std::f64::consts::PI;
 
 /// Standard errors between the means of two ways of rendering, from independent runs of each, and the ratio

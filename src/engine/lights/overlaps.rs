@@ -61,7 +61,10 @@ fn share_surface(scene: &Scene, pair: [usize; 2], within: f64) -> bool {
         [Primitive::Triangle(one), Primitive::Triangle(other)] => {
             covers(one, other, within) || covers(other, one, within)
         }
-        _ => false,
+        // They touch in a curve at most.
+        [Primitive::Sphere(_), Primitive::Triangle(_)] | [Primitive::Triangle(_), Primitive::Sphere(_)] => {
+            false
+        }
     }
 }
 

@@ -1,0 +1,266 @@
+//! The table of lights: their rows, the probability of choosing each, and how each primitive is sampled.
+
+use super::alias_table::AliasTable;
+use super::select::{Selection, anything_scatters, environment};
+use super::{EnvironmentLight, LightChoice};
+use crate::buffers::rows::Rows;
+use crate::buffers::{Features, SampledAs};
+use crate::lane::{Bits, Lane};
+use crate::math;
+use crate::scene::Scene;
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// The lights that next event estimation samples.
+///
+/// Two triangles that make a parallelogram are one light; a triangle whose texture is much brighter in places
+/// is a light for each of its pieces. Each is chosen with a probability of its share of all power, but at
+/// least `MIN_SHARE`.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    /// Two rows of eight a light: see [`LightRow`].
+    rows: Rows,
+    pub(super) alias_table: AliasTable,
+    /// What [`Lights::compare`] and [`Lights::resample`] weigh lights by, a row of eight each; empty if they
+    /// are chosen by power alone: one light, or more than [`Lights::MAX_COMPARED`] and at most `MAX_SHARED`.
+    pub(super) importance_rows: Rows,
+    /// The probability of choosing the light that each primitive of the scene is or belongs to, spheres
+    /// first; empty without lights.
+    pub probabilities: Vec<f32>,
+    /// The environment light, if it is one of the lights, and the probability of choosing it.
+    pub sky: Option<(EnvironmentLight, f32)>,
+    /// See [`Selection`].
+    halves: HashMap<usize, usize>,
+    first_pieces: HashMap<usize, u32>,
+    pub(super) pieces_side: usize,
+    /// The two primitives that each light is, or twice the one; only where [`Lights::needs_hits`].
+    primitives: Vec<u32>,
+}
+
+/// The least probability of choosing a light, as a share of the average. Random numbers have 24 binary
+/// digits: a light that few or none of them choose is sampled more or less often than its probability, and
+/// only at some of its points. A light beside one 10⁹ times as bright would contribute 59 times its power
+/// (`tests/laws/choosing.rs`). Costs no more than this share of all shadow rays.
+const MIN_SHARE: f64 = 1.0 / 64.0;
+
+impl Lights {
+    /// Most lights whose rows fit the register form.
+    pub const FEW: usize = Rows::FEW / 2;
+    /// Most lights for which the number that chooses a light has binary digits enough left for a point on it:
+    /// 18 on average, and 12 for a light of the least probability ([`MIN_SHARE`]).
+    pub(super) const MAX_SHARED: usize = 64;
+    /// Most lights that are compared one by one: 1.5 to 1.9 times less time to equal error in a room with 3
+    /// to 8 lights, and with 16 of them 0.9 (rough metal) to 1.35.
+    pub const MAX_COMPARED: usize = Rows::FEW;
+
+    /// Builds the table of the lights of a scene that the choice selects.
+    pub fn new(scene: &Scene, choice: LightChoice) -> Self {
+        if choice == LightChoice::Off || !anything_scatters(scene) {
+            return Self::default();
+        }
+        let sky = environment(scene, choice);
+        let selection = Selection::new(scene, sky.as_ref(), choice);
+        let lights = &selection.lights;
+        if lights.is_empty() {
+            return Self::default();
+        }
+        let shares = raised_shares(lights.iter().map(|light| light.share).collect());
+        let mut probabilities = vec![0.0; scene.primitives()];
+        let mut sky_probability = 0.0;
+        for (light, &share) in lights.iter().zip(&shares) {
+            let [first, second] = light.primitives.map(|number| number as usize);
+            match probabilities.get_mut(first) {
+                Some(probability) => {
+                    *probability += share as f32;
+                    probabilities[second] = probabilities[first];
+                }
+                None => sky_probability = share as f32,
+            }
+        }
+        let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
+        let by_irradiance = choice != LightChoice::Power && (is_few || lights.len() > Self::MAX_SHARED);
+        let important = lights.iter().filter(|_| by_irradiance);
+        let importance_rows = Rows::new(important.map(|light| light.importance().pack()));
+        let needs_hits = selection.needs_hits;
+        let rows = lights.iter().zip(&shares).flat_map(|(light, &share)| {
+            let row = light.row(scene);
+            // What a hit emits is known when a shadow ray has found it.
+            let emission = if needs_hits { Vec3::ONE } else { row.emission };
+            LightRow { emission, probability: share as f32, ..row }.pack()
+        });
+        let primitives = lights.iter().filter(|_| needs_hits).flat_map(|light| light.primitives);
+        Self {
+            rows: Rows::new(rows),
+            alias_table: AliasTable::new(&shares),
+            importance_rows,
+            primitives: primitives.collect(),
+            probabilities,
+            halves: selection.halves,
+            first_pieces: selection.first_pieces,
+            pieces_side: selection.pieces_side,
+            sky: sky.map(|sky| (sky, sky_probability)),
+        }
+    }
+    /// Returns how a primitive is sampled.
+    pub fn sampled_as(&self, number: usize) -> SampledAs {
+        let probability = self.probabilities.get(number).copied().unwrap_or(0.0);
+        match (self.first_pieces.get(&number), self.halves.get(&number)) {
+            (Some(&first), _) => SampledAs::Pieces(first),
+            (None, Some(&corner)) => SampledAs::Half(probability, corner),
+            (None, None) if probability > 0.0 => SampledAs::Whole(probability),
+            (None, None) => SampledAs::Nothing,
+        }
+    }
+    /// Tests whether shadow rays need the closest hit, and not only whether something is in their way: what
+    /// they hit then decides what they add. This is so where a light has a texture, or lies in the surface of
+    /// another primitive.
+    pub fn needs_hits(&self) -> bool {
+        !self.primitives.is_empty()
+    }
+    /// Tests whether each primitive is one of its lane's light; [`math::MISS`] is that of the environment.
+    /// Domain: [`Lights::needs_hits`].
+    pub fn is_primitive_of_light<L: Lane>(&self, primitive: L::Bits, light: L::Bits) -> L::Mask {
+        let first = light.shl(1);
+        let [one, other] = [first, first | L::Bits::splat(1)].map(|at| L::gather_bits(&self.primitives, at));
+        primitive.equals(one) | primitive.equals(other)
+    }
+    /// Tests whether [`Lights::compare`] or [`Lights::resample`] chooses among them, and not
+    /// [`Lights::choose_by_power`].
+    #[inline(always)]
+    pub fn are_chosen_by_irradiance(&self) -> bool {
+        !self.importance_rows.is_empty()
+    }
+    /// Returns the features that sampling them needs of a pipeline.
+    pub fn needs(&self) -> Features {
+        match self.len() {
+            0 => Features::NONE,
+            count if count > Self::FEW => Features::LIGHTS.with(Features::MANY_LIGHTS),
+            _ => Features::LIGHTS,
+        }
+    }
+    /// Returns the number of lights that are sampled.
+    pub fn len(&self) -> usize {
+        self.alias_table.len()
+    }
+    /// Tests whether no light is sampled.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Returns the probabilities of lights with these shares of all power: the shares, but none below
+/// [`MIN_SHARE`] of the average.
+fn raised_shares(mut shares: Vec<f64>) -> Vec<f64> {
+    let least = MIN_SHARE / shares.len() as f64;
+    shares.iter_mut().for_each(|share| *share = share.max(least));
+    let total: f64 = shares.iter().sum();
+    shares.into_iter().map(|share| share / total).collect()
+}
+
+/// The kind of a light, as its row has it.
+#[derive(Clone, Copy)]
+pub(super) enum KindCode {
+    Sphere,
+    Triangle,
+    Parallelogram,
+    Environment,
+}
+
+/// A light of the table. [`ChosenLight`] explains the fields.
+pub(super) struct LightRow {
+    pub kind: KindCode,
+    pub at: Vec3,
+    pub radius: f32,
+    pub edges: [Vec3; 2],
+    pub emission: Vec3,
+    pub probability: f32,
+    pub offset: f32,
+}
+
+impl LightRow {
+    /// Returns a light of a kind, all zeros.
+    pub fn new(kind: KindCode) -> Self {
+        let (at, edges, emission) = (Vec3::ZERO, [Vec3::ZERO; 2], Vec3::ZERO);
+        Self { kind, at, radius: 0.0, edges, emission, probability: 0.0, offset: 0.0 }
+    }
+
+    fn pack(self) -> [[f32; 8]; 2] {
+        let Self { kind, at, radius, edges: [ab, ac], emission: e, probability, offset } = self;
+        let kind = f32::from_bits(kind as u32);
+        [
+            [at.x, at.y, at.z, radius, e.x, e.y, e.z, probability],
+            [ab.x, ab.y, ab.z, ac.x, ac.y, ac.z, kind, offset],
+        ]
+    }
+}
+
+/// The lanes of each kind of light. It is taken apart by names alone, so that the compiler finds what a new
+/// kind lacks.
+pub struct Kinds<L: Lane> {
+    /// Lanes with spheres.
+    pub sphere: L::Mask,
+    /// Lanes with triangles, parallelograms and pieces.
+    pub flat: L::Mask,
+    /// Lanes with the environment.
+    pub environment: L::Mask,
+}
+
+/// A light for each lane.
+pub struct ChosenLight<L: Lane> {
+    /// Its index.
+    pub index: L::Bits,
+    /// What it is.
+    pub kinds: Kinds<L>,
+    /// Centre of a sphere, first vertex of a flat light.
+    pub at: math::Vec3<L>,
+    /// Radius of a sphere.
+    pub radius: L,
+    /// Of a flat light, the edges to the second vertex and to the third.
+    pub edges: [math::Vec3<L>; 2],
+    /// The lanes of flat lights that are the parallelogram which continues the triangle.
+    pub is_quad: L::Mask,
+    /// Radiance of the light; 1 where [`Lights::needs_hits`]. 0 of the environment, which has its own.
+    pub emission: math::Vec3<L>,
+    /// The light's error bound: shadow rays end at this distance from its surface.
+    pub offset: L,
+    /// The probability of choosing it by power.
+    pub probability: L,
+    /// Its contribution counts so many times: 1 if it was chosen by power, else the probability by power over
+    /// that by irradiance.
+    pub weight: L,
+}
+
+impl Lights {
+    /// Fetches lights by their indices. `fits_registers` promises at most [`Lights::FEW`].
+    #[inline(always)]
+    pub(super) fn fetch<L: Lane>(&self, light: L::Bits, weight: L, fits_registers: bool) -> ChosenLight<L> {
+        let first = light.shl(1);
+        let [x, y, z, radius, r, g, b, probability] = self.rows.fetch::<L>(first, fits_registers);
+        let [abx, aby, abz, acx, acy, acz, kind, offset] =
+            self.rows.fetch::<L>(first | L::Bits::splat(1), fits_registers);
+        let is = |code: KindCode| kind.to_bits().equals(L::Bits::splat(code as u32));
+        let is_quad = is(KindCode::Parallelogram);
+        ChosenLight {
+            index: light,
+            kinds: Kinds {
+                sphere: is(KindCode::Sphere),
+                flat: is(KindCode::Triangle) | is_quad,
+                environment: is(KindCode::Environment),
+            },
+            at: math::Vec3::new(x, y, z),
+            radius,
+            edges: [math::Vec3::new(abx, aby, abz), math::Vec3::new(acx, acy, acz)],
+            is_quad,
+            emission: math::Vec3::new(r, g, b),
+            offset,
+            probability,
+            weight,
+        }
+    }
+
+    /// Returns the probability of choosing each light by power.
+    #[inline(always)]
+    pub(super) fn probability<L: Lane>(&self, light: L::Bits) -> L {
+        self.rows.fetch::<L>(light.shl(1), false)[7]
+    }
+}

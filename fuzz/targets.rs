@@ -178,7 +178,7 @@ fn fly(view: &View) {
     let Some([first, last]) = view.path.frames() else { return };
     for part in 0..=7 {
         let frame = first + (u64::from(last - first) * part / 7) as u32;
-        let camera = view.path.at(frame).expect("the frame is on the path");
+        let camera = view.path.camera_at(frame).expect("the frame is on the path");
         if camera.fault().is_none() {
             Pinhole::new(&camera, [4, 3]);
         }
@@ -222,7 +222,7 @@ fn resume(bytes: &[u8]) {
     }
     for copies in 1..=2 {
         let parts = (0..copies).map(|_| read().expect("it was read before")).collect();
-        if let Ok(parts) = Parts::of(parts) {
+        if let Ok(parts) = Parts::new(parts) {
             let _ = parts.film();
         }
     }

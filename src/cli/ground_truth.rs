@@ -20,7 +20,7 @@ use std::time::SystemTime;
 
 /// Returns the path of this scene's ground truth, without an extension.
 pub fn place(folder: &Path, scene: &Scene, size: [u32; 2], max_bounces: u32) -> PathBuf {
-    let picture = (Fingerprint::of(scene), size, max_bounces);
+    let picture = (Fingerprint::from_scene(scene), size, max_bounces);
     let mut hasher = DefaultHasher::new();
     format!("{picture:?} {} {:?}", Machine::current().commit, build()).hash(&mut hasher);
     folder.join("truth").join(format!("{}-{:016x}", file_name(&scene.name), hasher.finish()))

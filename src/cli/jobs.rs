@@ -107,11 +107,11 @@ pub fn jobs(options: &RenderOptions) -> Result<Vec<Job>, CliError> {
         }
         (Some(frames), shard) => {
             let (shard, count) = (shard.unwrap_or(Shard::WHOLE), frames.end() - frames.start() + 1);
-            if shard.of > count {
+            if shard.count > count {
                 let instead = format!("there are {count} frames to share: give at most as many parts");
                 return Err(refuse_shard(shard, instead));
             }
-            let of_shard = frames.clone().enumerate().filter(|(index, _)| shard.has(*index));
+            let of_shard = frames.clone().enumerate().filter(|(index, _)| shard.contains(*index));
             of_shard.map(|(_, frame)| job(options, Some(frame))).collect::<Result<_, _>>()?
         }
     };
@@ -120,8 +120,8 @@ pub fn jobs(options: &RenderOptions) -> Result<Vec<Job>, CliError> {
 }
 
 /// Returns an error about `--shard`.
-pub fn refuse_shard(Shard { number, of }: Shard, instead: impl AsRef<str>) -> CliError {
-    refuse("--shard", format!("{number}/{of}"), instead.as_ref())
+pub fn refuse_shard(Shard { number, count }: Shard, instead: impl AsRef<str>) -> CliError {
+    refuse("--shard", format!("{number}/{count}"), instead.as_ref())
 }
 
 /// Refuses what a shard of tiles cannot do.
@@ -162,11 +162,11 @@ fn check(Job { output, shard, checkpoint, samples_map, .. }: &Job) -> Result<(),
     if shard.is_some() {
         check_checkpoint("--output", output, "a shard is a part of a picture, for octray merge")?;
     } else {
-        Format::of(output)?;
+        Format::from_path(output)?;
         output::check(output, Existing::Replace)?;
     }
     if let Some(file) = samples_map {
-        Format::of(file)?;
+        Format::from_path(file)?;
         output::check(file, Existing::Replace)?;
     }
     if let Some(file) = checkpoint {
@@ -179,7 +179,7 @@ fn check(Job { output, shard, checkpoint, samples_map, .. }: &Job) -> Result<(),
 
 /// Refuses a file that a checkpoint may not replace: it exists and is no checkpoint.
 fn check_checkpoint(option: &str, file: &Path, what: &str) -> Result<(), CliError> {
-    if Format::of(file).is_ok() {
+    if Format::from_path(file).is_ok() {
         let instead = format!("{what}: give a name with another ending, such as .part");
         return Err(refuse(option, file.display(), instead));
     }
@@ -224,9 +224,9 @@ fn frames(text: &str) -> Result<RangeInclusive<u32>, &'static str> {
 
 /// Reads `I/N`.
 fn shard(text: &str) -> Result<Shard, &'static str> {
-    match text.split_once('/').map(|(number, of)| (number.parse(), of.parse())) {
-        Some((Ok(number), Ok(of))) if (1..=of).contains(&number) && of <= MAX_SHARDS => {
-            Ok(Shard { number, of })
+    match text.split_once('/').map(|(number, count)| (number.parse(), count.parse())) {
+        Some((Ok(number), Ok(count))) if (1..=count).contains(&number) && count <= MAX_SHARDS => {
+            Ok(Shard { number, count })
         }
         _ => Err("give I/N, such as 3/8 for the third of eight parts; I is from 1 to N"),
     }

@@ -53,7 +53,7 @@ struct Report {
 }
 
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
-    Format::of(&options.output)?;
+    Format::from_path(&options.output)?;
     output::check(&options.output, Existing::Replace)?;
     keep_inputs(&options.parts, [("--output", options.output.as_path())])?;
     let parts = Parts::open(&options.parts)?;

@@ -39,7 +39,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     let limits = options.limits.limits(scenes::of_view(&scene).samples)?;
     // Options alone get the warning: a view's are for files of any format.
     let is_displayed = options.picture.exposure.is_some() || options.picture.tone.is_some();
-    if Format::of(&options.output).is_ok_and(Format::is_linear) && is_displayed {
+    if Format::from_path(&options.output).is_ok_and(Format::is_linear) && is_displayed {
         terminal::warn(&format!(
             "--exposure and --tone have no effect on {}: it holds the linear radiance.",
             options.output.display()
@@ -52,7 +52,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     let (run_settings, differing) = options.picture.run_settings(&scene);
     memory::check_film(settings.resolution, limits.target.is_some())?;
     let tiles = Tile::cover(settings.resolution, settings.tile_size).count();
-    if let Some(shard) = jobs[0].shard.filter(|shard| shard.of as usize > tiles) {
+    if let Some(shard) = jobs[0].shard.filter(|shard| shard.count as usize > tiles) {
         let tiles = counted(tiles, "tile", "tiles");
         return Err(refuse_shard(shard, format!("the picture has {tiles}: give at most as many parts")));
     }
@@ -93,7 +93,7 @@ fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<
     };
     let camera = |frame| {
         let outside = || refuse(format!("the keyframes of `{}` go from {begin} to {end}", scene.name));
-        let camera = path.at(frame).ok_or_else(outside)?;
+        let camera = path.camera_at(frame).ok_or_else(outside)?;
         match camera.fault() {
             None => Ok(camera),
             Some((key, what, _)) => {
@@ -135,7 +135,7 @@ impl Rendering {
             renderer.start_stats();
         }
         let mut film = if limits.target.is_some() { renderer.film_with_noise() } else { renderer.film() };
-        film.keep_tiles(|number| job.shard.is_none_or(|shard| shard.has(number)));
+        film.keep_tiles(|number| job.shard.is_none_or(|shard| shard.contains(number)));
         let is_kept = job.shard.is_some() || job.checkpoint.is_some();
         let header = is_kept.then(|| self.header(job, scene, renderer));
         let mut writer = match (&job.checkpoint, header.clone()) {
@@ -151,7 +151,8 @@ impl Rendering {
         let traced = trace(renderer, &mut film, limits, writer.as_mut(), &progress);
         progress.writing(&job.output);
         let report = self.report(job, &film, &traced, scene, renderer);
-        let tone = Format::of(&job.output).is_ok_and(|format| !format.is_linear()).then_some(self.tone);
+        let tone =
+            Format::from_path(&job.output).is_ok_and(|format| !format.is_linear()).then_some(self.tone);
         let is_judged = first && job.shard.is_none() && traced.end != End::Interrupt;
         let odd = if is_judged { diagnosis::warnings(renderer, scene, &film, tone) } else { Vec::new() };
         if last {
@@ -240,7 +241,7 @@ impl Rendering {
             schema: "octray-render-1",
             scene: options.scene.to_string_lossy().into_owned(),
             frame: job.frame,
-            shard: job.shard.map(|Shard { number, of }| [number, of]),
+            shard: job.shard.map(|Shard { number, count }| [number, count]),
             output: job.output.display().to_string(),
             width,
             height,
@@ -270,7 +271,7 @@ impl Rendering {
 /// Writes a picture of the number of samples of each pixel; fails and leaves no file after a second Ctrl-C.
 fn save_samples_map(file: &Path, film: &Film) -> Result<(), OutputError> {
     let mut counts = film.counts();
-    if !Format::of(file)?.is_linear() {
+    if !Format::from_path(file)?.is_linear() {
         shade(&mut counts, film.most_samples());
     }
     output::save_unless(file, &counts, &Tone::default(), &interrupt::insisted)

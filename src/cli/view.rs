@@ -227,7 +227,7 @@ mod tests {
     fn every_view_has_its_own_methods_unless_an_option_overrides_them() {
         let plain = load_with_view("builtin:cornell").unwrap();
         let render = Rendering { triangle: Some(TriangleChoice::MollerTrumbore), ..Rendering::default() };
-        let view = View { render, ..View::of(&plain, None, Path::new("")) };
+        let view = View { render, ..View::from_scene(&plain, None, Path::new("")) };
         let later = Loaded { view: Some(view), ..plain.clone() };
         let triangle = |line: &str, scene| {
             let options = Options::parse_from(line.split(' ')).viewer(&plain);

@@ -1,4 +1,4 @@
-//! octray's file formats: scene files in, picture files out.
+//! Reads scene files and writes picture files.
 //!
 //! ```text
 //! .json (native, thesis, view), .obj + .mtl, builtin:NAME  ->  scene::load  ->  Scene (engine)
@@ -12,18 +12,17 @@
 //! |---|---|
 //! | [`wording`] | numbers and nouns as text |
 //! | [`openexr`] | OpenEXR, read (textures) and written (pictures) |
-//! | [`scene`] | scene files, models and views into a valid [`scene::Scene`]; views and native files out |
-//! | [`output`] | a picture as PNG, JPEG, EXR or HDR; files that are complete or absent |
-//! | [`checkpoint`] | the sums of a film, whole or a shard of it, written and read bit by bit |
+//! | [`scene`] | scene files, models and views, read as a valid [`scene::Scene`]; views and native files, written |
+//! | [`output`] | pictures as PNG, JPEG, EXR or HDR; files that are complete or absent |
+//! | [`checkpoint`] | the sums of a film or of a shard of it, written and read bit by bit |
 //!
 //! The package imports the engine's scene model ([`octray_engine::scene`]), its
 //! [`film`](octray_engine::film), its [`tone`](octray_engine::tone) mapping, and the choices that a view's
 //! render options name. It renders nothing, and it must not know the command line, the viewer or the
 //! laboratory.
 //!
-//! Every error says what is wrong, where (file, JSON path, line and column) and how to mend it:
-//! [`scene::SceneError`], [`output::OutputError`]. A scene that loads is valid: no later stage checks it
-//! again.
+//! Every error ([`scene::SceneError`], [`output::OutputError`]) names the fault, its place (file, JSON path,
+//! line and column) and a remedy. A scene that loads is valid, and no later stage checks it again.
 //!
 //! ```
 //! use octray_formats::scene::load;

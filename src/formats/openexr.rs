@@ -1,20 +1,22 @@
-//! OpenEXR files: linear f32, lossless.
+//! Reads and writes OpenEXR files.
 //!
-//! Single-threaded: several threads would write blocks in the order of their completion, and two files of one
-//! picture would differ.
+//! One thread does all work: several would write blocks in the order of their completion, and two files of
+//! one picture would differ.
 
 use exr::meta::MetaData;
 use exr::prelude::*;
 use octray_engine::film::Picture;
 use std::io::{Cursor, Seek, Write};
 
-/// CIE x, y of red, green, blue and white.
+/// The CIE x and y of red, green, blue and white.
 pub type Chromaticities = [[f32; 2]; 4];
 
-/// The first layer with red, green and blue channels, or else the first grey one, in the size of the file's
-/// display window; black outside the layer's data window. The primaries of its colours, if it names them. And
-/// what is left out, as clauses. Windows of more than `most` pixels are refused before anything of their size
-/// is allocated. DWAA and DWAB, which are lossy, decode to other bits on processors without AVX2.
+/// Reads the first layer with red, green and blue channels, or else the first grey one. The picture has the
+/// size of the file's display window, and is black outside the layer's data window. Returns it with the
+/// primaries of its colours, if the file names them, and one clause for everything that is left out.
+///
+/// Windows of more than `most` pixels are refused before anything of their size is allocated. DWAA and DWAB,
+/// which are lossy, decode to other bits on processors without AVX2.
 pub fn read(
     bytes: &[u8],
     most: u64,
@@ -30,7 +32,7 @@ pub fn read(
     }
     let (channels, alpha) =
         channels(&meta).ok_or("it has neither red, green and blue channels nor a grey one")?;
-    // Red, green, blue, alpha.
+    // Reads pixels of red, green, blue and alpha.
     macro_rules! image {
         ($channels:expr, $sample:pat, $type:ty => $pixel:expr) => {
             $channels
@@ -90,9 +92,9 @@ pub fn read(
     Ok((Picture { width: width as u32, height: height as u32, pixels }, colors, left_out))
 }
 
-/// The names of the red, green and blue channels of the first layer that has all, or else of the first grey
-/// one, or of the only channel; and that of the layer's alpha. A layer is a part of the file, or a prefix of
-/// names that ends in a point; those without one come first.
+/// Returns the names of a layer's channels and of its alpha: red, green and blue of the first layer that has
+/// all three, or else the channel of the first grey layer, or else the file's only channel. A layer is a part
+/// of the file, or a prefix of names that ends in a point. Names without a prefix come first.
 fn channels(meta: &MetaData) -> Option<(Vec<Text>, Text)> {
     let layer = |ends: &[&str]| {
         meta.headers.iter().find_map(|header| {
@@ -115,7 +117,7 @@ fn channels(meta: &MetaData) -> Option<(Vec<Text>, Text)> {
     layer(&["R", "G", "B"]).or_else(|| layer(&["Y"])).or_else(only)
 }
 
-/// What is wrong with a file, and, where another program could read it, how to convert it.
+/// Describes what is wrong with a file and, if another program can read it, how to convert it.
 fn fault(error: Error) -> String {
     match error {
         Error::NotSupported(what) => {
@@ -125,7 +127,7 @@ fn fault(error: Error) -> String {
     }
 }
 
-/// Writes a picture without loss, as every program reads it: scan lines from the top, ZIP.
+/// Writes a picture as linear f32, without loss: scan lines from the top, ZIP, which every program reads.
 pub fn write(out: impl Write + Seek, picture: &Picture) -> std::io::Result<()> {
     let Picture { width, height, ref pixels } = *picture;
     let size = Vec2(width as usize, height as usize);

@@ -55,7 +55,7 @@ impl MeasuredScene {
     /// Describes a scene with these settings.
     pub fn of(scene: &Scene, settings: &Settings) -> Self {
         let (size, bounces) = (settings.resolution, settings.max_bounces);
-        Self { scene: scene.name.clone(), size, bounces, content: Fingerprint::of(scene) }
+        Self { scene: scene.name.clone(), size, bounces, content: Fingerprint::from_scene(scene) }
     }
 
     /// Returns the differences, each with the scene's name.

@@ -1,4 +1,4 @@
-//! Accumulates samples: the film of the present pose, samples until a frame is due.
+//! Accumulates the samples of the present pose in a film until a frame is due.
 
 use super::dynamic_resolution::DynamicResolution;
 use super::frame::Exchange;
@@ -12,11 +12,11 @@ use std::time::{Duration, Instant};
 
 /// Samples per pixel after which accumulation stops and the machine idles.
 const MAX_SAMPLES: u32 = 65_536;
-/// A picture that has accumulated for this long keeps its resolution once the target is met: a change would
-/// discard its samples.
+/// A picture that has accumulated for this long keeps its resolution once the target is met, because a change
+/// would discard its samples.
 const SETTLE_TIME: Duration = Duration::from_secs(1);
 
-/// What determines a picture apart from scene, seed and methods.
+/// The settings, apart from scene, seed and methods, that determine a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     pub camera: Camera,
@@ -40,8 +40,9 @@ pub struct Accumulation {
     /// When the last frame was published, and when the next one is due.
     last_shown: Instant,
     due: Instant,
-    /// Duration of the last pass, and of painting the last frame.
+    /// Duration of the last complete pass.
     pass_time: Duration,
+    /// Duration of painting the last frame.
     painting_time: Duration,
     /// When the pose last changed.
     pose_since: Instant,
@@ -65,7 +66,7 @@ impl RenderObserver for PassWatch<'_> {
 }
 
 impl Accumulation {
-    /// For a new renderer, with an empty film.
+    /// Starts with an empty film for a new renderer.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Self {
         let now = Instant::now();
         let &Settings { resolution, max_bounces: bounces, seed, .. } = renderer.settings();
@@ -96,7 +97,7 @@ impl Accumulation {
 
     /// Sets the renderer's camera, resolution and bounces, and clears the film if they changed. A resting
     /// camera has the requested seed; a moving one has a different seed in every frame, derived from the
-    /// frame's number. Returns whether history is invalid: resolution or bounces changed.
+    /// frame's number. Returns whether resolution or bounces changed, which makes history invalid.
     pub fn set_pose(&mut self, renderer: &mut Renderer, scene: &Scene, pose: Pose) -> bool {
         let before = std::mem::replace(&mut self.pose, pose);
         if pose == before {
@@ -129,8 +130,8 @@ impl Accumulation {
     /// Adds samples, at least one, until a frame is due at `rate` frames per second or the front end has
     /// closed.
     pub fn accumulate(&mut self, renderer: &Renderer, rate: f64, exchange: &Exchange) {
-        // Counted from the previous due time: a late frame does not shorten the next one's share, and lost
-        // frames are not made up for.
+        // Counted from the previous due time, so that a late frame does not shorten the next one's share.
+        // Lost frames are not made up for.
         let interval = Duration::from_secs_f64(1.0 / rate);
         self.due = (self.due + interval).max(self.last_shown + interval / 2);
         let due = self.due - self.painting_time.min(interval / 2);
@@ -148,7 +149,7 @@ impl Accumulation {
             let passes = (self.film.pixel_samples() - before.0) as f64 / pixels;
             self.summary.passes += passes;
             self.summary.tracing += time;
-            // Not one that was cancelled.
+            // A cancelled pass is not measured.
             if passes == 1.0 {
                 self.rates.pass(renderer.settings().lanes, self.film.rays() - before.1, time);
                 self.pass_time = time;
@@ -159,8 +160,7 @@ impl Accumulation {
         }
     }
 
-    /// Records that a frame was painted from `start` on and published, with the time of the oldest event that
-    /// it shows.
+    /// Records a published frame: when its painting started, and the time of the oldest event that it shows.
     pub fn frame_shown(&mut self, start: Instant, event: Option<Instant>) {
         let now = Instant::now();
         let since = now - self.last_shown;
@@ -172,7 +172,7 @@ impl Accumulation {
 
     /// Lowers the resolution when frames take longer than the target allows, raises it when there is time.
     pub fn adapt_resolution(&mut self, target: Option<u32>) {
-        // Without the wait for the display, which no resolution shortens.
+        // The wait for the display does not count: no resolution shortens it.
         let needed = self.pass_time + self.painting_time;
         let settled = self.progressive && self.pose_since.elapsed() >= SETTLE_TIME;
         self.resolution.adapt(target, needed, settled);
@@ -189,13 +189,11 @@ impl Accumulation {
 mod tests {
     use super::*;
     use octray_formats::scene::load;
-    use std::sync::atomic::Ordering::Release;
 
     struct Test {
         scene: Scene,
         renderer: Renderer,
         accumulation: Accumulation,
-        exchange: Exchange,
     }
 
     impl Test {
@@ -203,23 +201,19 @@ mod tests {
             let scene = load("builtin:three").unwrap();
             let renderer = Renderer::new(&scene, Settings { resolution, seed: 5, ..Settings::of(&scene) });
             let accumulation = Accumulation::new(&renderer, &scene);
-            Self { scene, renderer, accumulation, exchange: Exchange::default() }
+            Self { scene, renderer, accumulation }
         }
-        /// Whether it is another picture, its seed, and its samples after two more.
+        /// Sets a pose in a frame of this number and adds two samples. Returns whether history is invalid,
+        /// the seed, and the number of samples.
         fn go(&mut self, pose: Pose, frame: u64) -> (bool, u32, u32) {
             self.accumulation.summary.frames = frame;
             let other = self.accumulation.set_pose(&mut self.renderer, &self.scene, pose);
             self.renderer.add_samples(&mut self.accumulation.film, 2);
             (other, self.renderer.settings().seed, self.accumulation.film.samples())
         }
-        /// The samples of a pixel at most, when a frame is due.
-        fn accumulate(&mut self) -> u32 {
-            self.accumulation.accumulate(&self.renderer, 1e9, &self.exchange);
-            self.accumulation.film.most_samples()
-        }
     }
 
-    /// A resting camera's picture has the bits of a still, whatever was rendered before it.
+    /// The picture of a resting camera has the bits of a still and does not depend on earlier frames.
     #[test]
     fn a_camera_that_comes_to_rest_accumulates_the_samples_of_a_still() {
         let mut test = Test::new([24, 16]);
@@ -257,28 +251,5 @@ mod tests {
         assert_eq!(hold(&mut accumulation, 500, 10), 1.0, "the camera rests");
         accumulation.progressive = false;
         assert!(hold(&mut accumulation, 500, 3) < 1.0, "the camera moves");
-    }
-
-    #[test]
-    fn events_cancel_all_samples_but_the_first_and_the_end_cancels_every_one() {
-        let mut test = Test::new([24, 16]);
-        test.exchange.notified.store(true, Release);
-        assert_eq!(test.accumulate(), 1, "the first sample of a picture");
-        assert_eq!(test.accumulate(), 1);
-        test.exchange.notified.store(false, Release);
-        assert_eq!(test.accumulate(), 2);
-        test.accumulation.film.clear();
-        test.exchange.closed.store(true, Release);
-        assert_eq!(test.accumulate(), 0);
-        test.accumulation.equalize_samples(&test.renderer);
-        assert_eq!(test.accumulation.film.samples(), 1, "a screenshot completes it");
-    }
-
-    #[test]
-    fn accumulation_stops_at_the_maximum_of_samples() {
-        // One pixel, so that it has all of its samples soon.
-        let mut test = Test::new([1, 1]);
-        test.renderer.add_samples(&mut test.accumulation.film, MAX_SAMPLES - 1);
-        assert_eq!([(); 2].map(|()| test.accumulate()), [MAX_SAMPLES; 2]);
     }
 }

@@ -1,4 +1,4 @@
-//! The camera controller: moves, turns and zooms the camera by keys and mouse.
+//! Moves, turns and zooms the camera by keys and mouse.
 
 use glam::{DQuat, DVec3};
 use octray_formats::scene::{Camera, Coordinates, Scene};
@@ -12,8 +12,9 @@ const MOUSE_SENSITIVITY: f64 = 0.0025;
 const FAST_FACTOR: f64 = 4.0;
 /// Largest pitch in radians: short of the pole, where yaw is undefined.
 const MAX_PITCH: f64 = 89.0 * std::f64::consts::PI / 180.0;
-/// Field of view: bounds in degrees, and the factor of the image plane's width per step.
+/// Bounds of the field of view in degrees.
 const FOV_RANGE: [f32; 2] = [1.0, 150.0];
+/// Factor of the image plane's width per step of zooming.
 const FOV_STEP: f64 = 0.9;
 
 /// A motion that lasts while a key is held.
@@ -29,15 +30,16 @@ pub enum Motion {
     TurnRight,
     TurnUp,
     TurnDown,
-    /// Makes the other motions four times as fast.
+    /// Makes walking four times and turning twice as fast.
     Fast,
 }
 
 /// A camera that keys and mouse move. Until it is moved, it has the bits of the scene's camera.
 #[derive(Clone, Debug)]
 pub struct CameraController {
+    /// The scene's camera.
     home: Camera,
-    /// Those of the scene.
+    /// The scene's coordinates.
     coordinates: Coordinates,
     camera: Camera,
     position: DVec3,
@@ -53,9 +55,9 @@ pub struct CameraController {
 
 impl CameraController {
     pub fn new(scene: &Scene) -> Self {
-        Self::of(scene.camera, scene.coordinates)
+        Self::from_camera(scene.camera, scene.coordinates)
     }
-    fn of(home: Camera, coordinates: Coordinates) -> Self {
+    fn from_camera(home: Camera, coordinates: Coordinates) -> Self {
         let position = home.position.as_dvec3();
         let up = home.up.as_dvec3().normalize();
         let sight = (home.look_at.as_dvec3() - position).normalize();
@@ -67,16 +69,16 @@ impl CameraController {
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
-    /// The horizontal forward direction, and up.
+    /// Returns the horizontal forward direction, and up.
     pub fn forward_and_up(&self) -> (DVec3, DVec3) {
         (DQuat::from_axis_angle(self.up, self.yaw) * self.forward, self.up)
     }
     /// Resets to the scene's camera.
     pub fn reset(&mut self) {
-        *self = Self::of(self.home, self.coordinates);
+        *self = Self::from_camera(self.home, self.coordinates);
     }
-    /// Replaces the scene's camera after a reload. A camera that was not moved follows at once; a moved one
-    /// stays where it is in the file.
+    /// Replaces the scene's camera after a reload. A camera that was not moved takes its place; a moved one
+    /// keeps its position in the coordinates of the file.
     pub fn set_home(&mut self, scene: &Scene) {
         if self.camera == self.home {
             *self = Self::new(scene);
@@ -90,8 +92,8 @@ impl CameraController {
         }
     }
 
-    /// Applies the held motions for `seconds`, at `speed` scene units per second. Two half steps lead to the
-    /// same place as one whole step up to rounding, unless it turns while walking.
+    /// Applies the held motions for `seconds`, at `speed` scene units per second. Unless the camera turns
+    /// while it walks, two half steps lead to the same place as one whole step, up to rounding.
     pub fn advance(&mut self, held: &BTreeSet<Motion>, seconds: f64, speed: f64) {
         let pace = if held.contains(&Motion::Fast) { FAST_FACTOR } else { 1.0 };
         let axis = |back, forth| f64::from(held.contains(&forth)) - f64::from(held.contains(&back));
@@ -124,21 +126,21 @@ impl CameraController {
         self.camera.vertical_fov = ((2.0 * half).to_degrees() as f32).clamp(FOV_RANGE[0], FOV_RANGE[1]);
     }
 
-    /// Factor of the turning speed, smaller at narrow fields of view: 1 at 90° and above.
+    /// Returns the factor of the turning speed: 1 at a field of view of 90° and above, less at narrower ones.
     fn turn_scale(&self) -> f64 {
         (f64::from(self.camera.vertical_fov).to_radians() / 2.0).tan().min(1.0)
     }
 
     fn turn(&mut self, yaw: f64, pitch: f64) {
         self.yaw += yaw;
-        // The scene's own pitch may exceed the bound: it stays until the pitch is changed.
+        // The pitch of the scene's camera may exceed the bound and stays until the pitch is changed.
         if pitch != 0.0 {
             self.pitch = (self.pitch + pitch).clamp(-MAX_PITCH, MAX_PITCH);
         }
         let (forward, up) = self.forward_and_up();
         let sight = forward * self.pitch.cos() + up * self.pitch.sin();
         self.camera.position = self.position.as_vec3();
-        // Far enough for a direction's resolution of 1e-7 rad in single precision.
+        // At this distance, single precision resolves the direction to 1e-7 rad.
         let own = f64::from(self.home.look_at.distance(self.home.position));
         let distance = own.max(self.position.abs().max_element());
         self.camera.look_at = (self.camera.position.as_dvec3() + sight * distance).as_vec3();
@@ -149,18 +151,6 @@ impl CameraController {
 mod tests {
     use super::*;
     use glam::Vec3;
-
-    #[test]
-    fn the_mouse_turns_less_through_a_narrow_field_of_view() {
-        let turned = |vertical_fov| {
-            let mut controller = controller(Camera { vertical_fov, ..home() });
-            controller.mouse_look([100.0, 0.0]);
-            controller.yaw
-        };
-        assert!((turned(90.0) + 100.0 * MOUSE_SENSITIVITY).abs() < 1e-9);
-        let ratio = turned(10.0) / turned(20.0);
-        assert!((ratio - 5f64.to_radians().tan() / 10f64.to_radians().tan()).abs() < 1e-6, "{ratio}");
-    }
 
     fn controller(camera: Camera) -> CameraController {
         CameraController::new(&Scene { camera, ..Scene::default() })
@@ -263,17 +253,5 @@ mod tests {
         assert!((sight.y - 1.0).abs() < 1e-3 && sight.y < 1.0);
         controller.advance(&held(&[Motion::Forward]), 1.0, 1.0);
         assert!((controller.camera().position.y - home().position.y).abs() < 1e-6);
-    }
-
-    #[test]
-    fn field_of_view_stays_within_bounds() {
-        let mut controller = controller(home());
-        controller.zoom_by(1.0);
-        let half = |fov: f32| (f64::from(fov).to_radians() / 2.0).tan();
-        assert!((half(controller.camera().vertical_fov) / half(40.0) - FOV_STEP).abs() < 1e-6);
-        controller.zoom_by(-1_000.0);
-        assert_eq!(controller.camera().vertical_fov, FOV_RANGE[1]);
-        controller.zoom_by(1_000.0);
-        assert_eq!(controller.camera().vertical_fov, FOV_RANGE[0]);
     }
 }

@@ -1,5 +1,5 @@
-//! Draws frames as character cells: the upper half block in the colour of the upper pixel, on the colour of
-//! the lower one.
+//! Draws frames as character cells. A cell shows two pixels: an upper half block in the colour of the upper
+//! one, on a background in the colour of the lower one.
 
 use super::canvas::Canvas;
 use super::frame::Frame;
@@ -9,10 +9,10 @@ use crossterm::{cursor, queue, terminal as screen};
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// A character, and its colours: foreground, background; the terminal's own if `None`.
+/// A character, and its foreground and background colours; `None` stands for the terminal's own.
 type Cell = (char, Option<[u32; 2]>);
 
-/// The terminal's present content: only changed cells are written.
+/// The terminal's present content, so that only changed cells are written.
 #[derive(Default)]
 pub struct CellBuffer {
     /// Row by row; empty if unknown.
@@ -26,6 +26,7 @@ impl CellBuffer {
         self.shown.clear();
     }
 
+    /// Draws a frame on a terminal of this size, in columns and rows.
     pub fn draw(&mut self, out: &mut impl Write, frame: &Frame, size: [u16; 2]) -> io::Result<()> {
         let [columns, rows] = size.map(usize::from);
         if columns == 0 || rows == 0 {
@@ -36,7 +37,7 @@ impl CellBuffer {
             queue!(out, ResetColor, screen::Clear(screen::ClearType::All))?;
         }
         let cells = cells_of(frame, columns, rows);
-        // The cursor, and the colours that are set.
+        // The cell of the cursor if it is known, and the colours that are set.
         let (mut cursor, mut set) = (None, None);
         for (place, &(character, colors)) in cells.iter().enumerate() {
             if self.shown.get(place) == Some(&cells[place]) {
@@ -54,7 +55,7 @@ impl CellBuffer {
                 }
             }
             queue!(out, Print(character))?;
-            // Other characters of a text may be wider or narrower than a cell.
+            // Characters beyond ASCII may be wider or narrower than a cell.
             cursor = (colors.is_some() || character.is_ascii()).then_some(place + 1);
         }
         queue!(out, ResetColor)?;
@@ -63,7 +64,7 @@ impl CellBuffer {
     }
 }
 
-/// The cells of a terminal that shows a frame.
+/// Returns the cells of a terminal that shows a frame.
 fn cells_of(frame: &Frame, columns: usize, rows: usize) -> Vec<Cell> {
     let mut pixels = vec![0; 2 * columns * rows];
     let mut canvas = Canvas { pixels: &mut pixels, width: columns, height: 2 * rows };
@@ -85,7 +86,7 @@ fn color(pixel: u32) -> Color {
     Color::Rgb { r, g, b }
 }
 
-/// The lines of text over a frame that fit the terminal.
+/// Returns the lines of text over a frame that fit the terminal.
 fn text_of(frame: &Frame, columns: usize, rows: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for text in [&*frame.figures, &frame.message, if frame.help { "Ctrl-C  end" } else { "" }] {
@@ -136,7 +137,7 @@ mod tests {
         frame.message = "two".to_string();
         assert_eq!(written(&frame, [4, 1]), 0, "text over the picture");
         frame.message.clear();
-        assert_eq!(written(&frame, [4, 1]), 3, "what it covered");
+        assert_eq!(written(&frame, [4, 1]), 3, "the pixels below it");
         assert_eq!(written(&frame, [8, 2]), 16, "another size");
     }
 }

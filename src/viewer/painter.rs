@@ -1,6 +1,7 @@
-//! From film to the pixels of a frame: reprojection, filters, tone mapping, or a false-colour display mode.
+//! Paints the pixels of a frame from the film: reprojection, filters, tone mapping, or a false-colour display
+//! mode.
 //!
-//! Buffers are reused from frame to frame: a frame allocates nothing.
+//! Buffers are reused from frame to frame, so that a frame allocates nothing.
 
 use super::accumulation::Accumulation;
 use super::controls::{Controls, Filter};
@@ -17,7 +18,7 @@ use octray_engine::render::{Renderer, Settings};
 use octray_engine::tone::Tone;
 use octray_formats::scene::Loaded;
 
-/// What a frame, or a screenshot, is made from.
+/// The sources of a frame or a screenshot.
 #[derive(Clone, Copy)]
 pub struct FrameInput<'a> {
     pub renderer: &'a Renderer,
@@ -26,7 +27,7 @@ pub struct FrameInput<'a> {
     pub controls: &'a Controls,
 }
 
-/// Paints frames.
+/// The buffers of painting, and the history of earlier frames.
 #[derive(Default)]
 pub struct Painter {
     mean: Picture,
@@ -41,13 +42,13 @@ pub struct Painter {
     costs: PerCamera<aovs::Map<Cost>>,
     shapes: aovs::Map<PathShape>,
     distances: Vec<f32>,
-    /// Of a pixel of the last frame that showed the cost: white in its heat map.
+    /// Largest number of tests of a pixel in the last frame that showed the cost.
     pub most_tests: u32,
     /// Drawn on first use.
     minimap: Option<Minimap>,
 }
 
-/// Rendered on demand, once per camera.
+/// A buffer that is rendered on demand, once per camera.
 #[derive(Default)]
 struct PerCamera<T> {
     value: T,
@@ -64,7 +65,7 @@ impl<T> PerCamera<T> {
 }
 
 impl Painter {
-    /// Starts another scene.
+    /// Discards what belongs to the last scene.
     pub fn change_scene(&mut self) {
         self.minimap = None;
     }
@@ -73,7 +74,7 @@ impl Painter {
         self.history.reset();
     }
 
-    /// Walking speed derived from the frame that was painted last, in scene units per second.
+    /// Derives a walking speed from the frame that was painted last, in scene units per second.
     pub fn walking_speed(&mut self, renderer: &Renderer) -> f64 {
         walking_speed(self.aovs.get(|aovs| renderer.aovs_into(aovs))).into()
     }
@@ -82,7 +83,7 @@ impl Painter {
     pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) {
         let FrameInput { renderer, scene, accumulation, controls } = *input;
         let Accumulation { film, pose, pose_shown, progressive, .. } = accumulation;
-        // Reprojection that is switched on at a resting camera starts as for a new pose.
+        // Switching reprojection on at a resting camera counts as a new pose.
         let known = *pose_shown && (self.reprojected || !controls.reprojection);
         self.reprojected = controls.reprojection;
         if !known {
@@ -93,7 +94,7 @@ impl Painter {
         let first = controls.reprojection && !known;
         let samples = film.samples().max(1);
         if first {
-            // Samples that stay in the film must not enter the history too.
+            // Samples that stay in the film must not enter the history as well.
             let own = if *progressive { 0 } else { samples };
             let aovs = self.aovs.get(|aovs| renderer.aovs_into(aovs));
             self.history.reproject(&self.mean, own, aovs, renderer.camera());
@@ -148,12 +149,12 @@ impl Painter {
             DisplayMode::Albedo => fill_from_aovs(pixels, aovs, display_mode::albedo),
             DisplayMode::Depth => {
                 let range = display_mode::depth_range(aovs, &mut self.distances);
-                fill_from_aovs(pixels, aovs, |guide| display_mode::depth(guide, range));
+                fill_from_aovs(pixels, aovs, |aov| display_mode::depth(aov, range));
             }
             DisplayMode::Barycentrics => fill_from_aovs(pixels, aovs, display_mode::barycentrics),
             DisplayMode::Lambert => {
                 let light = display_mode::light_behind(&input.accumulation.pose.camera);
-                fill_from_aovs(pixels, aovs, |guide| display_mode::n_dot_l(guide, light));
+                fill_from_aovs(pixels, aovs, |aov| display_mode::n_dot_l(aov, light));
             }
             DisplayMode::Bounces => {
                 fill(pixels, &self.shapes.pixels, |shape| display_mode::bounces(shape, max_bounces));
@@ -180,6 +181,7 @@ fn fill<T>(pixels: &mut [u32], values: &[T], color: impl Fn(&T) -> u32) {
     pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = color(value));
 }
 
+/// Sets each pixel to the colour of its AOVs.
 fn fill_from_aovs(pixels: &mut [u32], aovs: &Aovs, color: impl Fn(&AovSample) -> u32) {
     let width = aovs.resolution()[0] as usize;
     for (at, pixel) in pixels.iter_mut().enumerate() {
@@ -187,7 +189,7 @@ fn fill_from_aovs(pixels: &mut [u32], aovs: &Aovs, color: impl Fn(&AovSample) ->
     }
 }
 
-/// Tone maps a picture to display pixels.
+/// Tone-maps a picture to display pixels.
 fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
     let width = picture.width as usize;
     rows::each(words, width, |y, words| tone.words(&picture.pixels[y * width..][..width], words));
@@ -200,7 +202,7 @@ mod tests {
     use octray_formats::scene::load;
     use std::time::Instant;
 
-    /// A viewer without events: paints frames of a camera, a number of samples and a seed.
+    /// A viewer without events, which paints frames.
     struct TestViewer {
         scene: Loaded,
         renderer: Renderer,
@@ -217,13 +219,13 @@ mod tests {
             let controls = Controls::new(scene.max_bounces, 1, LaneChoice::Eight, Tone::default());
             Self { scene, renderer, accumulation, controls, painter: Painter::default() }
         }
-        /// The camera moves to another field of view, or rests.
+        /// Sets the camera's field of view. The same one again is a resting camera.
         fn go(&mut self, field: f32) {
             let mut pose = self.accumulation.pose;
             pose.camera.vertical_fov = field;
             self.accumulation.set_pose(&mut self.renderer, &self.scene, pose);
         }
-        /// Takes more samples and paints.
+        /// Adds samples and paints a frame.
         fn paint(&mut self, samples: u32) -> Vec<u32> {
             let Self { scene, renderer, accumulation, controls, painter } = self;
             renderer.add_samples(&mut accumulation.film, samples);
@@ -232,7 +234,7 @@ mod tests {
             accumulation.frame_shown(Instant::now(), None);
             frame.pixels
         }
-        /// The film's mean, without history.
+        /// Returns the pixels of the film's mean, without history.
         fn mean(&self) -> Vec<u32> {
             let picture = self.accumulation.film.picture();
             let mut words = vec![0; picture.pixels.len()];
@@ -276,7 +278,7 @@ mod tests {
         }
     }
 
-    /// The blended history stands for more samples than the film: the denoiser gets their number.
+    /// The blended history stands for more samples than the film, and the denoiser must know how many.
     #[test]
     fn the_denoiser_gets_the_sample_counts_of_the_history() {
         let mut viewer = TestViewer::new();

@@ -1,5 +1,5 @@
-//! The render loop: handles events, moves the camera, accumulates samples until a frame is due, publishes the
-//! frame.
+//! Runs the render loop: handles events, moves the camera, accumulates samples until a frame is due, publishes
+//! the frame.
 //!
 //! While the camera rests, samples accumulate in the film from the first one on, with the requested seed: the
 //! picture has the bits of `octray render` with the same number of samples. While it moves, each frame starts
@@ -29,9 +29,9 @@ use std::time::{Duration, Instant, SystemTime};
 
 /// How long a message is shown.
 const MESSAGE_TIME: Duration = Duration::from_secs(6);
-/// Samples of a picture that is judged.
-const JUDGED_SAMPLES: u32 = 16;
-/// Number of a scene's warnings that are shown.
+/// Samples per pixel of the picture that is diagnosed.
+const DIAGNOSED_SAMPLES: u32 = 16;
+/// Most warnings of a scene that are shown.
 const MAX_WARNINGS: usize = 4;
 
 /// A scene with its renderer.
@@ -55,24 +55,24 @@ pub struct RenderLoop {
     oldest_unshown_event: Option<Instant>,
     /// When another scene was requested that no frame shows yet.
     switch_requested: Option<Instant>,
-    /// A message for a while, and since when it is shown.
+    /// A temporary message, and when it was first shown.
     message: Option<(String, Instant)>,
-    /// Why the requested scene could not be loaded; shown until it is, except while a message is shown.
+    /// The error of the requested scene, shown until the scene loads, except while there is a message.
     error: Option<SceneError>,
     /// A time before the last scene was read.
     read: SystemTime,
     screenshot_requested: bool,
-    /// Whether the scene's first picture was searched for what is odd about it.
-    judged: bool,
+    /// Whether the scene's first picture was diagnosed.
+    diagnosed: bool,
 }
 
-/// What only a new renderer can change.
+/// Returns the settings that only a new renderer can change.
 fn fixed(settings: &Settings) -> (Methods, usize, usize) {
     (settings.methods, settings.threads, settings.lanes)
 }
 
 impl RenderLoop {
-    /// Starts with a scene that is loaded; returns when the viewer quits.
+    /// Renders frames, beginning with a loaded scene, until the viewer quits.
     pub fn run(
         options: Arc<Options>,
         state: State,
@@ -95,7 +95,7 @@ impl RenderLoop {
             error: None,
             read: scene.read.unwrap_or_else(SystemTime::now),
             screenshot_requested: false,
-            judged: false,
+            diagnosed: false,
             options,
             state,
             scene,
@@ -141,12 +141,12 @@ impl RenderLoop {
             text += &format!("\n(and {})", counted(more, "more warning", "more warnings"));
         }
         self.message = (!text.is_empty()).then(|| (text, Instant::now()));
-        self.judged = false;
+        self.diagnosed = false;
         self.watch_files();
     }
 
     /// Watches the files of the scene that is shown, the requested scene file, and the files of a failed
-    /// load: a change of one of them triggers another attempt.
+    /// load. A change of one of them starts another attempt.
     fn watch_files(&mut self) {
         let wanted = self.state.playlist.current();
         let is_built_in = wanted.to_string_lossy().starts_with("builtin:");
@@ -155,7 +155,7 @@ impl RenderLoop {
         self.file_watcher.watch(files.map(PathBuf::as_path).chain(wanted), self.read);
     }
 
-    /// Renders frames with one renderer until there is another; `None` if the viewer quits.
+    /// Renders frames with one renderer until another one is prepared. Returns `None` if the viewer quits.
     fn render_frames(&mut self, renderer: &mut Renderer) -> Option<SceneRenderer> {
         // The controls that this renderer was last compared with.
         let mut chosen = None;
@@ -187,7 +187,7 @@ impl RenderLoop {
                 }
                 None => {}
             }
-            if self.file_watcher.have_changed(Instant::now()) {
+            if self.file_watcher.has_changed(Instant::now()) {
                 self.load();
             }
             self.state.advance(Instant::now());
@@ -196,7 +196,7 @@ impl RenderLoop {
             if self.exchange.closed.load(Acquire) {
                 continue;
             }
-            self.judge(renderer);
+            self.diagnose(renderer);
             self.publish_frame(renderer);
             if std::mem::take(&mut self.screenshot_requested) {
                 self.take_screenshot(renderer);
@@ -207,15 +207,15 @@ impl RenderLoop {
         }
     }
 
-    /// Tells once, while there is no other message, what is odd about the scene's picture.
-    fn judge(&mut self, renderer: &mut Renderer) {
+    /// Shows the problems of a scene's picture, such as a black one, once and while there is no message.
+    fn diagnose(&mut self, renderer: &mut Renderer) {
         let Accumulation { film, progressive, .. } = &self.accumulation;
-        if self.judged || !progressive || film.samples() < JUDGED_SAMPLES || self.message.is_some() {
+        if self.diagnosed || !progressive || film.samples() < DIAGNOSED_SAMPLES || self.message.is_some() {
             return;
         }
-        self.judged = true;
-        let odd = diagnosis::warnings(renderer, &self.scene, film, Some(self.state.controls.tone));
-        self.message = (!odd.is_empty()).then(|| (odd.join("\n"), Instant::now()));
+        self.diagnosed = true;
+        let problems = diagnosis::warnings(renderer, &self.scene, film, Some(self.state.controls.tone));
+        self.message = (!problems.is_empty()).then(|| (problems.join("\n"), Instant::now()));
     }
 
     /// Handles pending events; returns true on quit.
@@ -237,7 +237,7 @@ impl RenderLoop {
         false
     }
 
-    /// Requests the playlist's current scene; a reload if it is the one that is shown.
+    /// Requests the playlist's current scene. It is a reload if the scene is shown already.
     fn load(&mut self) {
         let name = self.state.playlist.current().to_os_string();
         let reload = self.state.shows_current();
@@ -245,12 +245,12 @@ impl RenderLoop {
             self.message = Some((format!("reading {}", name.display()), Instant::now()));
         }
         self.read = SystemTime::now();
-        // Before the scene is read, so that no change is missed.
+        // The files are watched before the scene is read, so that no change is missed.
         self.watch_files();
         self.request(reload, move || scene::load_with_view(&name).map(Arc::new));
     }
 
-    /// Requests a renderer for the scene that `load` gives, which keeps the chosen bounces in a reload.
+    /// Requests a renderer for the scene that `load` returns. A reload keeps the chosen bounces.
     fn request(
         &mut self,
         reload: bool,
@@ -264,9 +264,9 @@ impl RenderLoop {
             let scene = load()?;
             controls.bounces = bounces.unwrap_or(scene.max_bounces);
             let settings = controls.settings(&scene, &options);
-            // The present resolution already has its memory.
+            // The memory of the present resolution is allocated already.
             if pixels(&settings) > held {
-                (options.fits)(settings.resolution).map_err(|why| SceneError::of_use(why, &scene))?;
+                (options.fits)(settings.resolution).map_err(|why| SceneError::unusable(why, &scene))?;
             }
             Ok((scene.clone(), Renderer::new(&scene, settings)))
         });
@@ -316,11 +316,11 @@ impl RenderLoop {
     }
 
     fn take_screenshot(&mut self, renderer: &Renderer) {
-        // As `octray render` does: the same number of samples in every pixel.
+        // `octray render` gives every pixel the same number of samples too.
         self.accumulation.equalize_samples(renderer);
         let Self { scene, accumulation, state, options, .. } = &*self;
         let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
-        let text = match screenshot::take(&options.screenshots, &input) {
+        let text = match screenshot::save(&options.screenshots, &input) {
             Ok(place) => format!("saved {}.png, .exr and .json", place.display()),
             Err(error) => error.to_string(),
         };

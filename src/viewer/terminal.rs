@@ -1,7 +1,7 @@
-//! The terminal front end: sends keys, shows frames as half blocks in true colour.
+//! Shows frames in a terminal, as half blocks in true colour, and sends its keys.
 //!
-//! Most terminals do not report key releases: there, a key counts as held for `KEY_TIMEOUT` after each
-//! press or repetition.
+//! Most terminals do not report key releases. There a key counts as held for `KEY_TIMEOUT` after each press or
+//! repetition.
 
 use super::cell_buffer::CellBuffer;
 use super::frame::Frame;
@@ -25,12 +25,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// How long a key counts as held after a press without a reported release: slightly longer than the interval
+/// How long a key counts as held after a press without a reported release, slightly longer than the interval
 /// of repetition.
 const KEY_TIMEOUT: Duration = Duration::from_millis(130);
 /// Longest wait for a key before frames are checked.
 const POLL_TIMEOUT: Duration = Duration::from_millis(8);
-/// Frames per second: what terminals keep up with.
+/// Frames per second that terminals keep up with.
 const FRAME_RATE: f64 = 30.0;
 
 /// Shows scenes in the terminal; returns on Ctrl-C, or after [`Options::frames`].
@@ -53,14 +53,14 @@ struct RawTerminal {
     out: io::BufWriter<io::Stdout>,
     /// Whether the terminal reports key releases.
     reports_release: bool,
-    /// Time of each held key's last press; used only without reported releases.
+    /// Time of each held key's last press; empty if releases are reported.
     down: HashMap<Key, Instant>,
 }
 
 impl RawTerminal {
     fn enter() -> io::Result<Self> {
         screen::enable_raw_mode()?;
-        // From here on drop and the panic hook restore the terminal.
+        // From here on, `drop` and the panic hook restore the terminal.
         let out = io::BufWriter::with_capacity(1 << 18, io::stdout());
         let mut raw = Self { out, reports_release: false, down: HashMap::new() };
         let before = std::panic::take_hook();
@@ -139,7 +139,7 @@ impl Drop for RawTerminal {
     }
 }
 
-/// Restores the terminal. Errors are ignored: nothing can be done about them.
+/// Restores the terminal. Errors are ignored, because nothing can be done about them.
 fn restore(out: &mut impl Write, reports_release: bool) {
     if reports_release {
         let _ = execute!(out, PopKeyboardEnhancementFlags);
@@ -169,7 +169,7 @@ fn show(viewer: &Viewer, raw: &mut RawTerminal, exit: &AtomicBool) -> io::Result
             patience = Duration::ZERO;
         }
         raw.release_stale(viewer);
-        if viewer.take(&mut frame) {
+        if viewer.swap_newer(&mut frame) {
             let (columns, rows) = screen::size()?;
             cells.draw(&mut raw.out, &frame, [columns, rows])?;
             raw.out.flush()?;

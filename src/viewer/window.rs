@@ -1,4 +1,4 @@
-//! The window front end: sends keys and mouse events, shows frames.
+//! Shows frames in a window, and sends its keys and mouse events.
 
 use super::canvas::Canvas;
 use super::frame::Frame;
@@ -30,15 +30,15 @@ const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Largest initial share of the screen's sides.
 const MAX_SCREEN_SHARE: f64 = 0.9;
 
-/// Why there is no window.
+/// The reason why there is no window.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// No X or Wayland display answers; the text names those that were tried.
+    /// No X or Wayland display answers. The text names those that were tried.
     #[error(
         "{0}\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
     )]
     NoDisplay(String),
-    /// The window cannot be opened, or not be drawn in.
+    /// The window cannot be opened or drawn in.
     #[error(
         "the window cannot be drawn in\n  octray view --terminal shows the scene in a terminal, octray render writes it into a file"
     )]
@@ -48,16 +48,16 @@ pub enum WindowError {
 /// Time spent on showing frames.
 #[derive(Clone, Debug, Default)]
 pub struct Presented {
-    /// Frames drawn; fewer than published where the display is slower.
+    /// Frames drawn, fewer than published if the display is slower.
     pub frames: u64,
-    /// Time for scaling them, drawing their text, and presenting them.
+    /// Time of scaling them, drawing their text, and presenting them.
     pub time: Duration,
 }
 
-/// Event of the window's loop: a frame is ready.
+/// An event of the window's loop: a frame is ready.
 struct FrameReady;
 
-/// Opens a window and returns when it is closed: the render loop's figures, and those of the window.
+/// Opens a window, and returns the figures of the render loop and of the window once it is closed.
 ///
 /// # Errors
 /// If no display answers, or the window cannot be drawn in.
@@ -76,13 +76,13 @@ pub fn window(
     let proxy = events.create_proxy();
     let size = options.size.unwrap_or(scene.resolution);
     let wake = Arc::new(move || {
-        // Fails only after the event loop has ended.
+        // Sending fails only after the event loop has ended.
         let _ = proxy.send_event(FrameReady);
     });
     let viewer = Viewer::start(options, playlist, scene, wake);
     let mut app = App {
         viewer,
-        // Without signal handlers nothing sets it.
+        // Nothing sets the flag if the handlers cannot be registered.
         exit: exit_flag().unwrap_or_default(),
         size,
         context,
@@ -103,8 +103,8 @@ pub fn window(
     }
 }
 
-/// Whether a Wayland compositor answers: the environment may name one that has ended or belongs to another
-/// user.
+/// Tests whether a Wayland compositor answers: the environment may name one that has ended or belongs to
+/// another user.
 #[cfg(target_os = "linux")]
 mod wayland {
     use std::env::var_os;
@@ -125,7 +125,8 @@ mod wayland {
     }
 }
 
-/// An error that names the displays tried; the window system's own messages name only its source files.
+/// Returns an error that names the displays tried. The messages of the window system name only its source
+/// files.
 fn no_display() -> WindowError {
     let named = ["WAYLAND_SOCKET", "WAYLAND_DISPLAY", "DISPLAY"].into_iter().filter_map(|name| {
         let display = std::env::var(name).ok().filter(|display| !display.is_empty())?;
@@ -186,10 +187,10 @@ impl App {
         Ok(())
     }
 
-    /// Draws the newest frame, or the last one again.
+    /// Draws the newest frame, or the last one again if there is no newer one.
     fn draw(&mut self) -> Result<(), WindowError> {
         let Some(surface) = &mut self.surface else { return Ok(()) };
-        let fresh = self.viewer.take(&mut self.frame);
+        let fresh = self.viewer.swap_newer(&mut self.frame);
         let PhysicalSize { width: across, height: down } = self.window_size;
         let (Some(width), Some(height)) = (NonZeroU32::new(across), NonZeroU32::new(down)) else {
             return Ok(());
@@ -252,7 +253,7 @@ impl ApplicationHandler<FrameReady> for App {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
             WindowEvent::Resized(size) => self.window_size = size,
             WindowEvent::RedrawRequested => self.failure = self.draw().err(),
-            // Keys that were down when the window got the focus were meant for another window.
+            // A synthetic event reports a key that was down when the window got the focus.
             WindowEvent::KeyboardInput { is_synthetic: true, .. } => {}
             WindowEvent::KeyboardInput { event, .. } => {
                 if let Some(key) = key_of(event.physical_key, &event.logical_key) {
@@ -282,7 +283,7 @@ impl ApplicationHandler<FrameReady> for App {
     }
 }
 
-/// Translates a key. Letters for walking follow the physical key, others the layout's letter.
+/// Translates a key. Letters for walking follow the physical key, others follow the keyboard layout.
 fn key_of(physical: PhysicalKey, logical: &winit::keyboard::Key) -> Option<Key> {
     let letter = match logical {
         winit::keyboard::Key::Character(text) => text.chars().flat_map(char::to_lowercase).next(),

@@ -78,27 +78,3 @@ impl DrawTarget for Canvas<'_> {
         Ok(())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn shown(frame: &Frame, width: usize, height: usize) -> Vec<u32> {
-        let mut pixels = vec![9; width * height];
-        draw(frame, Canvas { pixels: &mut pixels, width, height });
-        pixels
-    }
-
-    #[test]
-    fn text_is_written_over_a_darkened_picture_and_cut_at_the_edge() {
-        let white = Frame { pixels: vec![0xffffff; 1], width: 1, height: 1, ..Frame::default() };
-        let with = Frame { figures: "60 fps · 3×3".to_string(), ..white.clone() };
-        let pixels = shown(&with, 100, 40);
-        let count = |color| pixels.iter().filter(|&&pixel| pixel == color).count();
-        assert!(count(0x3f3f3f) > 500, "darkened");
-        assert_eq!(pixels[39 * 100 + 30..][..40], [0xffffff; 40], "below the text all is as it was");
-        assert!(shown(&with, 100, 3).len() == 300, "no room for a line");
-        let help = Frame { help: true, ..white };
-        assert!(shown(&help, 700, 500).iter().filter(|&&pixel| pixel == 0x3f3f3f).count() > 50_000);
-    }
-}

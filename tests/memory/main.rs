@@ -37,7 +37,7 @@ fn watch(seat: &mut Seat, frames: u64) {
     let start = Instant::now();
     let until = seat.made() + frames;
     while seat.made() < until {
-        seat.viewer.take(&mut seat.frame);
+        seat.viewer.swap_newer(&mut seat.frame);
         assert!(start.elapsed() < Duration::from_secs(120), "frames come");
         thread::sleep(Duration::from_micros(100));
     }

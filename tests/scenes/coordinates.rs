@@ -147,7 +147,7 @@ fn views_far_from_zero_read_back_as_they_were_written() {
         r#"{{ "format": "octray-1", {keys}, "spheres": [{{ "center": [447325,4,-5411873], "radius": 1 }}] }}"#
     );
     let scene = folder.load("s.json", text).unwrap();
-    let view = View::of(&scene, None, &folder.path(""));
+    let view = View::from_scene(&scene, None, &folder.path(""));
     let again = load_with_view(&folder.write("v.json", view.text())).unwrap();
     assert_eq!((again.view.as_ref(), again.camera), (Some(&view), scene.camera), "{}", view.text());
     // With the digits of the file.

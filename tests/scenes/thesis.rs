@@ -198,9 +198,9 @@ fn what_is_left_out_or_brought_into_range_is_one_warning() {
     for (keys, words) in [
         (
             format!(r#""triangle": [ {whole}, {flat}, {flat} ]"#),
-            "2 of zero area among the triangles, first triangle[1]",
+            "triangle[1]: a triangle of zero area is left out (1 more like it)",
         ),
-        (format!(r#""sphere": [ {metallic}, {metallic} ]"#), "sphere[0].metallic and 1 more"),
+        (format!(r#""sphere": [ {metallic}, {metallic} ]"#), "(1 more like it)"),
         (
             format!(r#""sphere": [ {} ], "author": {{ "a": [1] }}"#, ball(r#""color": [255,255,255]"#)),
             "`author`",

@@ -187,18 +187,18 @@ fn views_of_a_scene_name_it_from_any_folder() {
         let own = load(&spec(&folder, base)).unwrap();
         for place in ["a.json", "shots/a.json", "shots/deep/a.json", "shots/../shots/deep/a.json"] {
             let file = folder.path(place);
-            let view = View::of(&own, None, file.parent().unwrap());
+            let view = View::from_scene(&own, None, file.parent().unwrap());
             assert!(!Path::new(&view.scene).is_absolute(), "{}", view.scene);
             let scene = load_with_view(&folder.write(place, view.text())).unwrap();
             assert_eq!(looks(&scene), looks(&own), "{base} from {place}");
             // A view of a view is one of the same scene.
-            let again = View::of(&scene, scene.view.as_ref(), &folder.path("shots"));
+            let again = View::from_scene(&scene, scene.view.as_ref(), &folder.path("shots"));
             let scene = folder.load("shots/again.json", again.text()).unwrap();
             assert_eq!(looks(&scene), looks(&own), "{base} from {place}, again");
         }
     }
     let own = load(&spec(&folder, "model.obj")).unwrap();
-    assert_eq!(View::of(&own, None, &folder.path("shots/deep")).scene, "../../model.obj");
+    assert_eq!(View::from_scene(&own, None, &folder.path("shots/deep")).scene, "../../model.obj");
 }
 
 #[test]

@@ -24,7 +24,7 @@ use std::time::Duration;
 
 /// Takes frames until one is as wanted.
 fn wait(seat: &mut Seat, what: &str, wanted: impl Fn(&Frame) -> bool) {
-    wait_for(what, || (seat.viewer.take(&mut seat.frame) && wanted(&seat.frame)).then_some(()));
+    wait_for(what, || (seat.viewer.swap_newer(&mut seat.frame) && wanted(&seat.frame)).then_some(()));
 }
 
 /// Takes frames until one has these words in its message.

@@ -1,9 +1,9 @@
-//! Why a checkpoint cannot be used: what, where, and how to mend it.
+//! Reports why a checkpoint cannot be used, where the fault is, and how to mend it.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why a checkpoint was refused. The file is unchanged; messages say what each variant means.
+/// The reason why a checkpoint was refused. The file is unchanged. The messages explain the variants.
 #[allow(missing_docs)]
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {

@@ -1,4 +1,4 @@
-//! Checkpoints as files: written atomically, read with their checksum.
+//! Writes checkpoint files atomically, and reads them with their checksum.
 
 use super::error::CheckpointError;
 use super::identity::{Display, Identity};
@@ -14,23 +14,23 @@ use std::path::{Path, PathBuf};
 
 const MAGIC: [u8; 8] = *b"\x89octray\n";
 const VERSION: u32 = 3;
-/// Longest header in bytes: some fifty times what one takes.
+/// Longest header in bytes, some fifty times as long as a usual one.
 const MAX_HEADER: u32 = 1 << 16;
 
-/// What a checkpoint says of its tiles.
+/// The header of a checkpoint, before its tiles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Header {
-    /// The scene's name, for people.
+    /// The scene's name, for messages.
     pub name: String,
-    /// What must be the same to go on.
+    /// The properties that must be the same to resume.
     pub identity: Identity,
     /// How the picture is shown.
     #[serde(with = "Display")]
     pub display: Tone,
-    /// Samples per pixel that the run was to take; with adaptive sampling the most.
+    /// Samples per pixel that the run aims at; with adaptive sampling the maximum.
     pub wanted: u32,
-    /// Was the run's limit of samples or its target error reached?
+    /// Whether the run reached its number of samples or its target error.
     pub complete: bool,
     /// Rays traced for the samples.
     pub rays: u64,
@@ -38,8 +38,8 @@ pub struct Header {
     pub tiles: u32,
 }
 
-/// Writes a checkpoint: afterwards the file is complete, or as it was before. `goals` are the samples that
-/// tiles shall have at the end of the round, by tile number. Fails once `cancelled` returns true.
+/// Writes a checkpoint. Afterwards the file is complete, or as it was before. `goals` are the samples that
+/// tiles are to have at the end of the round, by tile number. Fails once `cancelled` returns true.
 pub fn save(
     path: &Path,
     header: &Header,
@@ -74,14 +74,15 @@ pub(super) fn write(out: impl Write, header: &Header, film: &Film, goals: &[u32]
     out.write_sum()
 }
 
-/// Does the file begin as a checkpoint does? False where it cannot be read.
+/// Tests whether the file begins as a checkpoint does. False if it cannot be read.
 pub fn is_checkpoint(path: &Path) -> bool {
     let mut magic = [0; MAGIC.len()];
     let Ok(Some((mut file, _))) = open_regular(path) else { return false };
     file.read_exact(&mut magic).is_ok() && magic == MAGIC
 }
 
-/// A file and its length; `None` if it is no regular file: to open a pipe would wait for somebody who writes.
+/// Opens a file, and returns it with its length. Returns `None` for anything but a regular file: opening a
+/// pipe would wait for a writer.
 fn open_regular(path: &Path) -> io::Result<Option<(File, u64)>> {
     let metadata = path.metadata()?;
     if !metadata.is_file() {
@@ -90,9 +91,9 @@ fn open_regular(path: &Path) -> io::Result<Option<(File, u64)>> {
     Ok(Some((File::open(path)?, metadata.len())))
 }
 
-/// A checkpoint whose header was read, and whose tiles were not yet.
+/// A checkpoint whose header is read, and whose tiles are not yet.
 pub struct Checkpoint<R> {
-    /// What stands before the sums.
+    /// Its header.
     pub header: Header,
     reader: Reader<R>,
 }
@@ -103,7 +104,7 @@ impl Checkpoint<BufReader<File>> {
         match open_regular(path) {
             Ok(Some((file, length))) => {
                 let checkpoint = Self::read(BufReader::with_capacity(1 << 16, file), path)?;
-                // Before a film is allocated.
+                // Checked before a film is allocated.
                 if length < least_bytes(&checkpoint.header) {
                     return Err(checkpoint.reader.damaged("it ends too early"));
                 }
@@ -142,23 +143,23 @@ impl<R: Read> Checkpoint<R> {
         Ok(Self { header, reader })
     }
 
-    /// Where it was read from, for messages.
+    /// Returns the path of its file, for messages.
     pub fn path(&self) -> &Path {
         &self.reader.path
     }
 
-    /// Reads the tiles into a film that has all of them, of the header's resolution, tile size and target.
-    /// Returns the samples that tiles shall have at the end of the round, by tile number.
+    /// Reads the tiles into a film that has all tiles, and the header's resolution, tile size and target.
+    /// Returns the samples that tiles are to have at the end of the round, by tile number.
     ///
-    /// On an error, the film's content is unspecified.
+    /// After an error, the film's content is unspecified.
     ///
     /// # Panics
-    /// If the film is of another resolution.
+    /// If the film has another resolution.
     pub fn fill(self, film: &mut Film) -> Result<Vec<u32>, CheckpointError> {
         let Self { header, mut reader } = self;
         let (Identity { settings, shard, .. }, count) = (header.identity, header.tiles);
         assert_eq!(film.resolution(), settings.resolution);
-        let expected = film.tiles().iter().filter(|sums| shard.has(sums.tile.number)).count();
+        let expected = film.tiles().iter().filter(|sums| shard.contains(sums.tile.number)).count();
         if expected != count as usize {
             return Err(reader.damaged(format!("it has {count} tiles instead of {expected}")));
         }
@@ -167,10 +168,10 @@ impl<R: Read> Checkpoint<R> {
         for _ in 0..count {
             let [number, samples, goal, discarded] = reader.words()?;
             let sums = tiles.find(|sums| sums.tile.number == number as usize);
-            let Some(sums) = sums.filter(|sums| shard.has(sums.tile.number)) else {
+            let Some(sums) = sums.filter(|sums| shard.contains(sums.tile.number)) else {
                 return Err(reader.damaged(format!("tile {number} is not where it should be")));
             };
-            // Goals of a round are within the target's limit, and rendering goes on until they are reached.
+            // Rendering goes on until goals are reached, so a goal beyond the target's limit must not pass.
             let most = settings.target.map_or(u32::MAX, |(.., most)| most);
             if discarded > 1 || goal > most.max(samples) {
                 return Err(reader.damaged(format!("tile {number} cannot be read")));
@@ -191,14 +192,15 @@ impl<R: Read> Checkpoint<R> {
     }
 }
 
-/// The fewest bytes that the tiles take.
+/// Returns the least number of bytes that the tiles take.
 fn least_bytes(header: &Header) -> u64 {
     let Identity { settings, shard, .. } = &header.identity;
-    let tiles = Tile::cover(settings.resolution, settings.tile_size).filter(|tile| shard.has(tile.number));
+    let tiles =
+        Tile::cover(settings.resolution, settings.tile_size).filter(|tile| shard.contains(tile.number));
     tiles.map(|tile| 16 + 24 * tile.pixels() as u64).sum()
 }
 
-/// Is what the header says possible? What is allocated by it is bounded by this.
+/// Checks that resolution, tile size and shard are possible, which bounds the memory that they ask for.
 fn check(header: &Header) -> Result<(), String> {
     let Identity { settings, shard, .. } = &header.identity;
     let possible = |sides: [u32; 2]| sides.iter().all(|side| (1..=MAX_SIDE).contains(side));
@@ -207,13 +209,13 @@ fn check(header: &Header) -> Result<(), String> {
     {
         return Err("its resolution is impossible".into());
     }
-    if !(1..=shard.of).contains(&shard.number) {
+    if !(1..=shard.count).contains(&shard.number) {
         return Err("its shard is impossible".into());
     }
     Ok(())
 }
 
-/// Reads a file, and sums up all bytes that pass.
+/// A reader of a file with the checksum of all bytes read.
 struct Reader<R> {
     path: PathBuf,
     inner: R,
@@ -240,7 +242,7 @@ impl<R: Read> Reader<R> {
         self.fill(bytemuck::cast_slice_mut(&mut words))?;
         Ok(words.map(u32::from_le))
     }
-    /// Reads the checksum of everything before.
+    /// Reads a checksum and compares it with that of everything before.
     fn check_sum(&mut self) -> Result<(), CheckpointError> {
         let sum = self.sum.clone().finalize();
         match self.words()? {
@@ -250,7 +252,7 @@ impl<R: Read> Reader<R> {
     }
 }
 
-/// Writes a file, and sums up all bytes that pass.
+/// A writer of a file with the checksum of all bytes written.
 struct Writer<W> {
     inner: W,
     sum: crc32fast::Hasher,

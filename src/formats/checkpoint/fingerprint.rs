@@ -1,4 +1,4 @@
-//! The content of a scene in a few numbers.
+//! Condenses the content of a scene to a few checksums.
 
 use crc32fast::Hasher;
 use octray_engine::scene::{Scene, Sphere, Texels, Texture, Triangle};
@@ -6,30 +6,31 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
 /// A CRC-32 of each part of a scene that changes its picture, in hexadecimal. Resolution and bounces are
-/// settings; names of files, warnings and the scene's own name change no picture.
+/// settings. The scene's name, its files and its warnings change no picture.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fingerprint {
-    /// Of position, direction and angle of view.
+    /// Position, direction and angle of view.
     pub camera: String,
-    /// Of the sky without its texture.
+    /// The sky without its texture.
     pub sky: String,
-    /// Of all materials, in their order.
+    /// All materials, in their order.
     pub materials: String,
-    /// Of all texels and their filters.
+    /// All texels and their filters.
     pub textures: String,
-    /// Of centres, radii, materials and turns.
+    /// Centres, radii, materials and turns.
     pub spheres: String,
-    /// Of vertices and materials.
+    /// Vertices and materials of triangles.
     pub triangles: String,
     /// Texture coordinates and normals of the triangles' vertices.
     pub vertices: String,
 }
 
 impl Fingerprint {
-    /// Takes about a second for a gigabyte of scene.
-    pub fn of(scene: &Scene) -> Self {
-        // Every field by name: whoever adds one decides whether it changes the picture.
+    /// Computes the checksums of a scene. Takes about a second for a gigabyte.
+    pub fn from_scene(scene: &Scene) -> Self {
+        // The pattern names every field, so that a new one does not compile before it is decided whether it
+        // changes the picture.
         let Scene {
             name: _,
             coordinates: _,
@@ -53,13 +54,13 @@ impl Fingerprint {
         let normals = normals.iter().flatten().flat_map(|normal| normal.to_array());
         add_words(&mut vertices, normals.map(f32::to_bits));
         Self {
-            camera: of_debug(camera),
-            sky: of_debug(sky),
-            materials: of_debug(materials),
-            textures: of_textures(textures),
-            spheres: of_words(spheres.iter().flat_map(sphere_words)),
-            triangles: of_words(triangles.iter().flat_map(triangle_words)),
-            vertices: mark(vertices),
+            camera: hash_debug(camera),
+            sky: hash_debug(sky),
+            materials: hash_debug(materials),
+            textures: hash_textures(textures),
+            spheres: hash_words(spheres.iter().flat_map(sphere_words)),
+            triangles: hash_words(triangles.iter().flat_map(triangle_words)),
+            vertices: hexadecimal(vertices),
         }
     }
 }
@@ -76,7 +77,7 @@ fn triangle_words(triangle: &Triangle) -> impl Iterator<Item = u32> {
     numbers.chain([material])
 }
 
-fn of_textures(textures: &[Texture]) -> String {
+fn hash_textures(textures: &[Texture]) -> String {
     let mut hasher = Hasher::new();
     for Texture { name: _, width, height, filter, texels } in textures {
         let kind = std::mem::discriminant(texels);
@@ -88,20 +89,18 @@ fn of_textures(textures: &[Texture]) -> String {
             }
         }
     }
-    mark(hasher)
+    hexadecimal(hasher)
 }
 
-/// Of what `Debug` writes: every number with all its digits.
-fn of_debug(what: &impl Debug) -> String {
-    let mut hasher = Hasher::new();
-    hasher.update(format!("{what:?}").as_bytes());
-    mark(hasher)
+/// Hashes the text of `Debug`, which has all digits of every number.
+fn hash_debug(what: &impl Debug) -> String {
+    format!("{:08x}", crc32fast::hash(format!("{what:?}").as_bytes()))
 }
 
-fn of_words(words: impl Iterator<Item = u32>) -> String {
+fn hash_words(words: impl Iterator<Item = u32>) -> String {
     let mut hasher = Hasher::new();
     add_words(&mut hasher, words);
-    mark(hasher)
+    hexadecimal(hasher)
 }
 
 fn add_words(hasher: &mut Hasher, mut words: impl Iterator<Item = u32>) {
@@ -116,7 +115,7 @@ fn add_words(hasher: &mut Hasher, mut words: impl Iterator<Item = u32>) {
     }
 }
 
-fn mark(hasher: Hasher) -> String {
+fn hexadecimal(hasher: Hasher) -> String {
     format!("{:08x}", hasher.finalize())
 }
 
@@ -128,7 +127,7 @@ mod tests {
     use octray_engine::scene::{Filter, Side, Sky};
 
     #[test]
-    fn fingerprint_tells_what_was_changed() {
+    fn each_change_of_a_scene_changes_one_checksum() {
         let mut scene = load("builtin:thesis").unwrap();
         scene.textures.truncate(1);
         for texels in [Texels::Srgb8(vec![[5; 4]]), Texels::Float32(vec![[0.5, 0.25, 0.125, 0.0]])] {
@@ -137,8 +136,8 @@ mod tests {
         }
         scene.triangles = vec![Triangle { vertices: [Vec3::ZERO, Vec3::X, Vec3::Y], material: 0 }];
         (scene.uvs, scene.normals) = (vec![[Vec2::ZERO; 3]], vec![[Vec3::Z; 3]]);
-        let marks = |scene: &Scene| serde_json::to_value(Fingerprint::of(scene)).unwrap();
-        let own = marks(&scene);
+        let sums = |scene: &Scene| serde_json::to_value(Fingerprint::from_scene(scene)).unwrap();
+        let own = sums(&scene);
         type Change = fn(&mut Scene);
         let changes: [(Change, &str); 16] = [
             (|scene| scene.name.push('x'), ""),
@@ -161,7 +160,7 @@ mod tests {
         for (number, (change, part)) in changes.into_iter().enumerate() {
             let mut other = scene.clone();
             change(&mut other);
-            let other = marks(&other);
+            let other = sums(&other);
             let parts = own.as_object().unwrap().keys().filter(|part| own[*part] != other[*part]);
             assert_eq!(parts.cloned().collect::<Vec<_>>().join(" "), part, "change {number}");
         }

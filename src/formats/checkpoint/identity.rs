@@ -1,4 +1,4 @@
-//! What must be the same for two runs to give the same bits.
+//! Identifies the runs that give the same bits.
 
 use super::fingerprint::Fingerprint;
 use octray_engine::adaptive::Target;
@@ -12,23 +12,24 @@ use octray_engine::tone::{Operator, Tone};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// A part of a picture: the tiles whose number leaves the remainder `number` − 1 when divided by `of`.
+/// A part of a picture: the tiles whose number leaves the remainder `number` − 1 when divided by `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shard {
-    /// From 1 to `of`.
+    /// The shard's number, from 1 to `count`.
     pub number: u32,
     /// The number of shards.
-    pub of: u32,
+    #[serde(rename = "of")]
+    pub count: u32,
 }
 
 impl Shard {
-    /// The whole picture.
-    pub const WHOLE: Self = Self { number: 1, of: 1 };
+    /// The only shard of a whole picture.
+    pub const WHOLE: Self = Self { number: 1, count: 1 };
 
-    /// Is this tile, or this frame counted from the first, in the shard?
-    pub fn has(self, index: usize) -> bool {
-        index % self.of as usize == self.number as usize - 1
+    /// Tests whether this tile, or this frame counted from the first, is in the shard.
+    pub fn contains(self, index: usize) -> bool {
+        index % self.count as usize == self.number as usize - 1
     }
 }
 
@@ -36,25 +37,25 @@ impl Shard {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Program {
-    /// Its version: another one may have other methods.
+    /// Its version. Another one may have other methods.
     pub version: String,
-    /// How films of this build round `a · b + c`: once, by a `fused` multiply-add, or `separate`, twice.
+    /// How films of this build round `a · b + c`: `fused` (once, by a multiply-add) or `separate` (twice).
     pub rounding: String,
 }
 
-/// Every setting that changes a bit of a film.
+/// The settings that change a bit of a film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
-    /// Pixels: width, height.
+    /// Width and height in pixels.
     pub resolution: [u32; 2],
-    /// Pixels: width, height, at most.
+    /// Width and height of a whole tile in pixels.
     pub tile_size: [u32; 2],
-    /// Scattering events allowed on a path.
+    /// Most scattering events on a path.
     pub max_bounces: u32,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u32,
-    /// Null without a limit.
+    /// Largest radiance of a sample; null without a limit.
     pub clamp: Option<f32>,
     /// The sphere test.
     pub sphere: SphereChoice,
@@ -69,9 +70,10 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    /// What is recorded of settings, and of the target error.
-    pub fn of(settings: &Settings, target: Option<&Target>) -> Self {
-        // Every field by name: whoever adds one decides whether it changes the film.
+    /// Records settings and a target error.
+    pub fn from_settings(settings: &Settings, target: Option<&Target>) -> Self {
+        // The pattern names every field, so that a new one does not compile before it is decided whether it
+        // changes the film.
         let Settings {
             resolution,
             max_bounces,
@@ -99,35 +101,36 @@ impl Recorded {
     }
 }
 
-/// What must be the same for two runs to give the same bits, and so to resume one from the other.
+/// The properties that must be the same for two runs to give the same bits, and so to resume one from the
+/// other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Identity {
-    /// Which build.
+    /// The build of the program.
     pub program: Program,
-    /// Which scene.
+    /// The scene.
     pub scene: Fingerprint,
-    /// How it is rendered.
+    /// The settings.
     pub settings: Recorded,
-    /// Which tiles.
+    /// The tiles.
     pub shard: Shard,
 }
 
 impl Identity {
-    /// What a run of this build with these settings would write.
+    /// Identifies a run of this build with these settings.
     pub fn new(scene: &Scene, settings: &Settings, target: Option<&Target>, shard: Shard) -> Self {
         Self {
             program: Program {
                 version: env!("CARGO_PKG_VERSION").into(),
                 rounding: if FUSED { "fused" } else { "separate" }.into(),
             },
-            scene: Fingerprint::of(scene),
-            settings: Recorded::of(settings, target),
+            scene: Fingerprint::from_scene(scene),
+            settings: Recorded::from_settings(settings, target),
             shard,
         }
     }
 
-    /// What differs from `here`, a sentence each.
+    /// Returns one clause for each difference from `here`.
     pub fn differences(&self, here: &Self) -> Vec<String> {
         let [theirs, ours] = [self, here].map(|identity| serde_json::to_value(identity).unwrap_or_default());
         let mut found = Vec::new();
@@ -136,7 +139,7 @@ impl Identity {
                 let other = &ours[group][key];
                 match (group.as_str(), value == other) {
                     (_, true) => {}
-                    // Numbers of a fingerprint mean nothing to a reader.
+                    // Checksums mean nothing to a reader.
                     ("scene", _) => found.push(format!("{key} of the scene: not the same")),
                     (group, _) => found.push(format!(
                         "{}: {}, and here {}",
@@ -169,7 +172,7 @@ fn shown(value: &Value) -> String {
     }
 }
 
-/// How a picture file is made of the film, as a header writes it: no bit of the film depends on it.
+/// The tone mapping of a picture file, as a header writes it. No bit of the film depends on it.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Tone", deny_unknown_fields)]
 pub(super) struct Display {

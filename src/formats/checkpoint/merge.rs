@@ -1,4 +1,4 @@
-//! Joins the shards of a picture: the film has the bits of one run.
+//! Joins the shards of a picture into a film with the bits of one run.
 
 use super::error::CheckpointError;
 use super::file::{Checkpoint, Header};
@@ -12,11 +12,11 @@ use std::path::PathBuf;
 const MEND: &str = "give every shard of one picture once, each complete: an unfinished one goes on with its own \
                     command and --checkpoint";
 
-/// All shards of one picture, each once and complete. Their headers were read, their tiles were not yet.
+/// The shards of one picture, each once and complete. Their headers are read, and their tiles are not yet.
 pub struct Parts<R>(Vec<Checkpoint<R>>);
 
 impl Parts<BufReader<File>> {
-    /// Opens the parts. An error names everything that is missing, doubled, mixed or incomplete.
+    /// Opens the parts of a picture. An error names everything that is missing, doubled, mixed or incomplete.
     ///
     /// # Panics
     /// If there are none.
@@ -24,16 +24,16 @@ impl Parts<BufReader<File>> {
         let open = |path: &PathBuf| {
             Checkpoint::open(path)?.ok_or_else(|| CheckpointError::NoPart { path: path.clone() })
         };
-        Self::of(paths.iter().map(open).collect::<Result<_, _>>()?)
+        Self::new(paths.iter().map(open).collect::<Result<_, _>>()?)
     }
 }
 
 impl<R: Read> Parts<R> {
-    /// The same of parts that were opened.
+    /// Accepts opened parts as [`Parts::open`] does.
     ///
     /// # Panics
     /// If there are none.
-    pub fn of(parts: Vec<Checkpoint<R>>) -> Result<Self, CheckpointError> {
+    pub fn new(parts: Vec<Checkpoint<R>>) -> Result<Self, CheckpointError> {
         let mut faults: Vec<String> = parts[1..].iter().flat_map(|part| mixed(part, &parts[0])).collect();
         faults.extend(parts.iter().enumerate().flat_map(|(at, part)| doubled(part, &parts[..at])));
         faults.extend(missing(&parts));
@@ -44,12 +44,12 @@ impl<R: Read> Parts<R> {
         if faults.is_empty() { Ok(Self(parts)) } else { Err(CheckpointError::Parts { faults, mend: MEND }) }
     }
 
-    /// What holds for all parts, from the first one.
+    /// Returns the header of the first part. All have the same picture and settings.
     pub fn header(&self) -> &Header {
         &self.0[0].header
     }
 
-    /// The whole film.
+    /// Reads the whole film.
     pub fn film(self) -> Result<Film, CheckpointError> {
         let settings = &self.header().identity.settings;
         let mut film = Film::new(settings.resolution, settings.tile_size);
@@ -63,12 +63,13 @@ impl<R: Read> Parts<R> {
     }
 }
 
+/// Returns a sentence for each difference between the pictures of two parts.
 fn mixed<R: Read>(part: &Checkpoint<R>, first: &Checkpoint<R>) -> Vec<String> {
     let (theirs, ours) = (&part.header, &first.header);
     let here = Identity { shard: ours.identity.shard, ..theirs.identity.clone() };
     let mut found = here.differences(&ours.identity);
-    if theirs.identity.shard.of != ours.identity.shard.of {
-        found.push(format!("{} shards, and here {}", theirs.identity.shard.of, ours.identity.shard.of));
+    if theirs.identity.shard.count != ours.identity.shard.count {
+        found.push(format!("{} shards, and here {}", theirs.identity.shard.count, ours.identity.shard.count));
     }
     if theirs.wanted != ours.wanted {
         found.push(format!("samples: {}, and here {}", theirs.wanted, ours.wanted));
@@ -80,6 +81,7 @@ fn mixed<R: Read>(part: &Checkpoint<R>, first: &Checkpoint<R>) -> Vec<String> {
     found.into_iter().map(|what| format!("`{part}` is not of the picture of `{first}`: {what}")).collect()
 }
 
+/// Returns a sentence if an earlier part is of the same shard.
 fn doubled<R: Read>(part: &Checkpoint<R>, before: &[Checkpoint<R>]) -> Option<String> {
     let shard = part.header.identity.shard;
     let same = before.iter().find(|other| other.header.identity.shard == shard)?;
@@ -87,17 +89,17 @@ fn doubled<R: Read>(part: &Checkpoint<R>, before: &[Checkpoint<R>]) -> Option<St
     Some(format!("shard {} is there twice: `{other}` and `{path}`", shard.number))
 }
 
+/// Returns a sentence that names the shards without a part: the first ten of them.
 fn missing<R>(parts: &[Checkpoint<R>]) -> Option<String> {
-    let of = parts[0].header.identity.shard.of;
+    let count = parts[0].header.identity.shard.count;
     let mut there: Vec<u32> = parts.iter().map(|part| part.header.identity.shard.number).collect();
     there.sort_unstable();
-    // At most as many as a line can hold.
-    let mut lacking = (1..=of).filter(|number| there.binary_search(number).is_err());
+    let mut lacking = (1..=count).filter(|number| there.binary_search(number).is_err());
     let named: Vec<String> = lacking.by_ref().take(10).map(|number| number.to_string()).collect();
     let more = if lacking.next().is_some() { ", …" } else { "" };
     match named.len() {
         0 => None,
-        1 => Some(format!("shard {} of {of} is missing", named[0])),
-        _ => Some(format!("shards {}{more} of {of} are missing", named.join(", "))),
+        1 => Some(format!("shard {} of {count} is missing", named[0])),
+        _ => Some(format!("shards {}{more} of {count} are missing", named.join(", "))),
     }
 }

@@ -1,9 +1,9 @@
-//! Why an output file was not written: what, where, and how to mend it.
+//! Reports why an output file was not written, and how to mend it.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why a file was not written. Any earlier file is unchanged. The messages explain the variants.
+/// The reason why a file was not written. Any earlier file is unchanged. The messages explain the variants.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum OutputError {

@@ -1,8 +1,7 @@
-//! Atomic writes: a complete file or none.
+//! Writes files atomically: a complete file or none.
 //!
 //! The content is written to a temporary file in the final folder, synced to the disk, and renamed to its
-//! final name in one step. A reader sees the old file or the new one; after a failure the old one is left and
-//! no other.
+//! final name in one step. A reader sees the old file or the new one. After a failure, the old one is left.
 
 use super::error::OutputError;
 use serde::Serialize;
@@ -11,19 +10,19 @@ use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// What to do when the file exists.
+/// The treatment of a file that exists already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
     /// The new file takes its place and its permissions.
     Replace,
-    /// Refuse.
+    /// The new file is not written.
     Keep,
 }
 
-/// Whether a file can be written at `path`. Creates an empty temporary file beside it, so that a long
-/// computation fails at its start and not at its end.
+/// Checks that a file can be written at `path`, by an empty temporary file beside it. A long computation can
+/// so fail at its start and not at its end.
 pub fn check(path: &Path, existing: Existing) -> Result<(), OutputError> {
-    Destination::of(path, existing)?.temporary().map(drop)
+    Destination::new(path, existing)?.temporary().map(drop)
 }
 
 /// Writes a file through `fill`. Afterwards the file is complete, or everything is as it was before.
@@ -32,7 +31,7 @@ pub fn write_atomically(
     existing: Existing,
     fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> Result<(), OutputError> {
-    let destination = Destination::of(path, existing)?;
+    let destination = Destination::new(path, existing)?;
     let failed = |source| OutputError::Write { path: path.to_owned(), source };
     // Dropping the temporary file removes it: every early return cleans up.
     let mut temporary = destination.temporary()?;
@@ -71,28 +70,28 @@ pub fn save_json(path: &Path, what: &impl Serialize) -> Result<(), OutputError> 
     })
 }
 
-/// Removes temporary files that runs left which were killed while they wrote `path`. Call it before the
-/// first write: a run that writes the same file at this moment loses its temporary file, and says so.
+/// Removes the temporary files of runs that were killed while they wrote `path`. Call it before the first
+/// write: another run that writes the same file at this moment loses its temporary file, and reports it.
 pub fn remove_leftovers(path: &Path) {
-    let Ok(destination) = Destination::of(path, Existing::Replace) else { return };
+    let Ok(destination) = Destination::new(path, Existing::Replace) else { return };
     let prefix = temporary_prefix(&destination.file);
     for entry in fs::read_dir(&destination.folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         if name.starts_with(&prefix) && name.ends_with(SUFFIX) {
-            // What cannot be removed is left.
+            // A file that cannot be removed is left.
             let _ = fs::remove_file(entry.path());
         }
     }
 }
 
-/// How the names of temporary files for `file` begin: of the same length for every name.
+/// Returns the beginning of the names of temporary files for `file`. All names give the same length.
 fn temporary_prefix(file: &Path) -> String {
     let name = file.file_name().unwrap_or_default().as_encoded_bytes();
     format!(".octray-{:08x}-", crc32fast::hash(name))
 }
 
-/// How they end.
+/// The end of the names of temporary files.
 const SUFFIX: &str = ".tmp";
 
 /// Creates a folder and its parents unless they exist.
@@ -101,11 +100,11 @@ pub fn make_folder(folder: &Path) -> Result<(), OutputError> {
         .map_err(|source| OutputError::FolderNotMade { folder: folder.to_owned(), source })
 }
 
-/// A writer that fails once `cancelled` returns true: a large file takes seconds.
+/// A writer that fails once `cancelled` returns true, because a large file takes seconds.
 pub struct CancellableWriter<'a, W> {
-    /// What is written to.
+    /// The writer of the file.
     pub inner: W,
-    /// Whether to stop.
+    /// Returns whether to stop.
     pub cancelled: &'a dyn Fn() -> bool,
 }
 
@@ -127,7 +126,7 @@ impl<W: Seek> Seek for CancellableWriter<'_, W> {
 
 /// A checked destination.
 struct Destination {
-    /// The final path, symbolic links followed.
+    /// The final path, with symbolic links followed.
     file: PathBuf,
     folder: PathBuf,
     /// Permissions of the file that is replaced, if there is one.
@@ -135,7 +134,7 @@ struct Destination {
 }
 
 impl Destination {
-    fn of(path: &Path, existing: Existing) -> Result<Self, OutputError> {
+    fn new(path: &Path, existing: Existing) -> Result<Self, OutputError> {
         let path = path.to_owned();
         if path.file_name().is_none() || path.as_os_str().as_encoded_bytes().ends_with(b"/") {
             return Err(OutputError::IsFolder { path });
@@ -165,16 +164,15 @@ impl Destination {
         Ok(Self { file, folder, permissions })
     }
 
-    /// An empty file in the folder, removed on drop unless it is persisted.
+    /// Creates an empty file in the folder, which is removed on drop unless it is persisted.
     fn temporary(&self) -> Result<NamedTempFile, OutputError> {
         let mut builder = tempfile::Builder::new();
         let prefix = temporary_prefix(&self.file);
         builder.prefix(&prefix).suffix(SUFFIX);
-        // The permissions of an ordinary new file, less the umask; tempfile's default is readable by the
-        // owner alone.
+        // The permissions of an ordinary new file. The default of `tempfile` is readable by the owner alone.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        // The error without the temporary file's name, which means nothing to the user.
+        // The error leaves out the temporary file's name, which means nothing to the user.
         builder.tempfile_in(&self.folder).map_err(|error| OutputError::FolderNotWritable {
             folder: self.folder.clone(),
             source: error.kind().into(),
@@ -182,7 +180,7 @@ impl Destination {
     }
 }
 
-/// The target of a symbolic link; one step of it if the target does not exist yet.
+/// Follows a symbolic link to its end, or by one step if its target does not exist yet.
 fn follow(link: &Path) -> PathBuf {
     fs::canonicalize(link).unwrap_or_else(|_| match fs::read_link(link) {
         Ok(target) => link.with_file_name(target),

@@ -1,10 +1,4 @@
-//! Picture files: tone mapping, encoding, and files that are complete or absent.
-//!
-//! | file | what it does |
-//! |---|---|
-//! | [`picture`] | PNG, JPEG, EXR and HDR |
-//! | [`mod@file`] | atomic writes |
-//! | [`error`] | why a file was not written |
+//! Writes picture files: tone mapping, encoding, and files that are complete or absent.
 
 pub mod error;
 pub mod file;

@@ -10,7 +10,7 @@ use octray_engine::tone::Tone;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
-/// Quality of JPEG files, of 100: the step from which artefacts are hard to see in rendered noise.
+/// Quality of JPEG files, of 100. From here on, artefacts are hard to see in rendered noise.
 const JPEG_QUALITY: u8 = 95;
 
 /// A picture file's format.
@@ -27,8 +27,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that a file name's extension stands for, in upper or lower case.
-    pub fn of(path: &Path) -> Result<Self, OutputError> {
+    /// Returns the format of a file name's extension, which may be in upper or lower case.
+    pub fn from_path(path: &Path) -> Result<Self, OutputError> {
         let extension =
             path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
         match extension.as_deref() {
@@ -40,13 +40,16 @@ impl Format {
         }
     }
 
-    /// Whether the format holds linear radiance: exposure and tone mapping have no effect on it.
+    /// Tests whether the format holds linear radiance, on which exposure and tone mapping have no effect.
     pub fn is_linear(self) -> bool {
         matches!(self, Self::Exr | Self::Hdr)
     }
 }
 
-/// Encodes a picture. Panics if the picture's pixels are not `width · height`.
+/// Encodes a picture.
+///
+/// # Panics
+/// If the number of pixels is not `width · height`.
 pub fn encode(
     mut out: impl Write + Seek,
     picture: &Picture,
@@ -77,27 +80,27 @@ pub fn encode(
     out.flush()
 }
 
-/// Saves a picture in the format of the file name's extension. `tone` applies to PNG and JPEG only: EXR and
-/// HDR hold linear radiance. Afterwards the file is complete, or as it was before.
+/// Saves a picture in the format of the file name's extension. `tone` applies to PNG and JPEG only, because
+/// EXR and HDR hold linear radiance. Afterwards the file is complete, or as it was before.
 pub fn save(path: &Path, picture: &Picture, tone: &Tone) -> Result<(), OutputError> {
     save_unless(path, picture, tone, &|| false)
 }
 
-/// As [`save`], but fails and leaves any earlier file as it was once `cancelled` returns true.
+/// Saves a picture as [`save`] does, but fails and keeps any earlier file once `cancelled` returns true.
 pub fn save_unless(
     path: &Path,
     picture: &Picture,
     tone: &Tone,
     cancelled: &dyn Fn() -> bool,
 ) -> Result<(), OutputError> {
-    let format = Format::of(path)?;
+    let format = Format::from_path(path)?;
     write_atomically(path, Existing::Replace, |inner| {
         encode(CancellableWriter { inner, cancelled }, picture, format, tone)
     })
 }
 
-/// The nearest colour that a Radiance file can hold: each channel a whole number of 256ths of the power of
-/// two above the largest channel.
+/// Rounds to the nearest colour that a Radiance file can hold: each channel is a whole number of 256ths of
+/// the power of two above the largest channel.
 ///
 /// The encoder of the `image` crate truncates mantissas, which darkens a picture by half a step on average,
 /// and its exponents wrap around at both ends of f32's range. It encodes the colours returned here without

@@ -1,4 +1,4 @@
-//! Builds a [`Scene`]: the part that all formats share.
+//! Builds a [`Scene`] from the materials and primitives of any format.
 
 use super::check::{has_area, warn_of_size};
 use super::error::SceneError;
@@ -13,50 +13,51 @@ use octray_engine::scene::{
 };
 use std::path::Path;
 
-/// Default resolution: the size at which speed is measured.
+/// Default resolution, at which speed is measured.
 pub const DEFAULT_RESOLUTION: [u32; 2] = [240, 135];
 /// Default number of scattering events on a path.
 pub const DEFAULT_BOUNCES: u32 = 4;
 /// Most spheres and triangles of a scene: 11 GB of vertices. A hierarchy has room for four times as many.
 pub const MAX_PRIMITIVES: usize = 1 << 28;
-/// Most triangles that the copies of meshes may add up to, which a small file can ask for: 2.4 GB of
-/// vertices.
+/// Most triangles of all copies of meshes: 2.4 GB of vertices. A small file can ask for many copies.
 pub const MAX_COPIES: usize = 1 << 26;
 /// Most materials of a scene.
 const MAX_MATERIALS: usize = 1 << 20;
-/// Most warnings that are kept; of the others only the number.
+/// Most warnings that are kept; the others are counted.
 const MAX_WARNINGS: usize = 1_000;
 
-/// What the vertices of a triangle have besides their positions.
+/// The attributes of a triangle's vertices besides their positions.
 #[derive(Clone, Copy, Default)]
 pub struct Attributes {
-    /// Planar where missing.
+    /// Texture coordinates; planar ones if missing.
     pub uvs: Option<[Vec2; 3]>,
-    /// Of unit length; those of the plane where missing.
+    /// Normals of unit length; that of the plane if missing.
     pub normals: Option<[Vec3; 3]>,
-    /// Linear, in [0, 1]; they multiply the material's colour.
+    /// Linear colours in [0, 1], which multiply the material's.
     pub colors: Option<[Vec3; 3]>,
 }
 
+/// A scene under construction.
 #[derive(Default)]
 pub struct SceneBuilder {
-    /// Per material: scene units that one repeat of the texture covers on a triangle without `uvs`.
+    /// Scene units that one repeat of each material's texture covers on a triangle without `uvs`.
     texture_sizes: Vec<f64>,
     default_material: Option<u32>,
-    /// That of the scene's coordinates, if it is known before them.
+    /// The origin of the scene's coordinates, if it is known before them.
     pub origin: Option<DVec3>,
     has_coordinates: bool,
     pub textures: Textures,
     /// Materials, primitives and warnings so far.
     pub scene: Scene,
     colors: VertexColors,
-    /// What is left out of the file that is being read.
+    /// Notes about the file that is being read.
     pub notes: Notes,
+    /// Number of warnings that were not kept.
     more_warnings: usize,
 }
 
 impl SceneBuilder {
-    /// A builder of a scene that names these files.
+    /// Starts a scene whose other files come from `files`.
     pub fn new(files: &Files) -> Self {
         let mut builder = Self::default();
         builder.textures.files = files.clone();
@@ -71,7 +72,7 @@ impl SceneBuilder {
         self.texture_sizes.push(texture_size);
         (self.scene.materials.len() - 1) as u32
     }
-    /// The material of primitives that name none.
+    /// Returns the material of primitives that name none.
     pub fn default_material(&mut self) -> u32 {
         self.default_material.unwrap_or_else(|| {
             let number =
@@ -85,8 +86,8 @@ impl SceneBuilder {
         self.scene.coordinates = coordinates;
         self.has_coordinates = true;
     }
-    /// From a model's points, which `placement` places in the file, to those of the scene. Without
-    /// coordinates, the scene gets some around its origin, or else the model's first point.
+    /// Converts a placement of a model's points in the coordinates of the file to one in those of the scene.
+    /// A scene without coordinates gets some around its origin, or else around the model's first point.
     pub fn within_scene(
         &mut self,
         placement: &Placement,
@@ -95,7 +96,8 @@ impl SceneBuilder {
         if !self.has_coordinates {
             let points = points.map(|point| placement.point(point));
             let first = points.clone().next().unwrap_or_default();
-            // What is added to a translation has few digits, so that the sum rounds nothing.
+            // The offset from the translation has the few digits of single precision, so that the sum is
+            // exact.
             let origin = self.origin.unwrap_or(match placement.translate {
                 DVec3::ZERO => first,
                 translate => translate + (first - translate).as_vec3().as_dvec3(),
@@ -141,8 +143,8 @@ impl SceneBuilder {
         self.scene.unrounded.iter_mut().for_each(|all| all.triangles.push(unrounded));
         true
     }
-    /// The variant of a material whose triangles have vertex colours, which multiply the emission of an
-    /// emitter; `None` where textures already take their place.
+    /// Returns the variant of a material for triangles with vertex colours, which multiply the emission of an
+    /// emitter. Returns `None` if the material has textures.
     pub fn colored(&mut self, material: u32) -> Option<u32> {
         if let Some(&known) = self.colors.materials.get(&material) {
             return Some(known);
@@ -156,13 +158,13 @@ impl SceneBuilder {
         self.colors.materials.insert(material, colored);
         Some(colored)
     }
-    /// Planar texture coordinates for a triangle without any: positions in its plane, in the file's
-    /// coordinates, `size` of its units to one repeat.
+    /// Computes planar texture coordinates: positions in the triangle's plane, in the file's coordinates, with
+    /// `size` of its units to one repeat.
     ///
-    /// They depend only on the triangle's plane, so that the texture is continuous across coplanar
-    /// neighbours. On planes flatter than [`FLAT`] the texture's upper edge points to −z, and the texture is
-    /// not mirrored seen from above. On steeper planes the upper edge points to +y, and the texture is not
-    /// mirrored seen from +z or, where the normal has no z, from +x.
+    /// They depend only on the plane, so that the texture is continuous across coplanar neighbours. On planes
+    /// flatter than [`FLAT`], the texture's upper edge points to −z, and the texture is not mirrored seen from
+    /// above. On steeper planes the upper edge points to +y, and the texture is not mirrored seen from +z or,
+    /// if the normal has no z, from +x.
     fn planar_uvs(&self, vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
         let [a, b, c] = vertices.map(|vertex| self.scene.coordinates.to_file(vertex.as_dvec3()));
         let n = (b - a).cross(c - a).normalize();
@@ -172,7 +174,7 @@ impl SceneBuilder {
         let up = (up - n * n.dot(up)).normalize();
         let right = up.cross(n);
         let uvs = [a, b, c].map(|p| DVec2::new(p.dot(right), p.dot(up)) / size);
-        // Whole repeats are invisible; removing them leaves more digits of single precision for the fraction.
+        // Whole repeats are invisible. Without them, single precision has more digits for the fraction.
         let whole = uvs[0].min(uvs[1]).min(uvs[2]).floor();
         uvs.map(|uv| (uv - whole).as_vec2())
     }
@@ -182,8 +184,8 @@ impl SceneBuilder {
             false => self.more_warnings += 1,
         }
     }
-    /// The index of the texture that a file of a model names on this line; else a warning. See
-    /// [`Files::find`].
+    /// Loads the texture that the file `named_in` of a model names on a line, and returns its index; `None`
+    /// with a warning if it cannot be loaded. See [`Files::find`].
     pub fn find_texture(
         &mut self,
         (name, line): &(String, usize),
@@ -191,23 +193,19 @@ impl SceneBuilder {
         model: &Path,
         texel_kind: TexelKind,
     ) -> Option<u32> {
-        let folder = model.parent().unwrap_or(Path::new(""));
-        let found = self.files().clone().find(name, [named_in, model], |path| {
-            let shown = path.strip_prefix(folder).unwrap_or(path).to_string_lossy();
-            self.textures.load(path, &shown, Filter::Bilinear, texel_kind)
-        });
+        let found = self.textures.find(name, [named_in, model], Filter::Bilinear, texel_kind);
         let place = named_in.display();
         found
             .map_err(|why| self.warn(format!("{place}:{line}: the texture `{name}` is left out: {why}.")))
             .ok()
     }
-    /// Warns of the notes about a file, whose name `separator` parts from their places.
+    /// Turns the notes about a file into warnings, with `separator` between the file's name and the place.
     pub fn warn_of_notes(&mut self, path: &Path, separator: &str) {
         for warning in std::mem::take(&mut self.notes).warnings(path, separator) {
             self.warn(warning);
         }
     }
-    /// Refuses more primitives or materials than a scene may have, before so many triangles are added.
+    /// Checks that a scene may hold its materials and its primitives, with so many triangles more.
     pub fn check_room(&self, triangles: usize) -> Result<(), SceneError> {
         let primitives = self.scene.primitives() + triangles;
         for (count, most, what) in [
@@ -221,7 +219,7 @@ impl SceneBuilder {
         }
         Ok(())
     }
-    /// The scene, unless it has too many primitives or materials.
+    /// Returns the scene, or an error if it has too many primitives or materials.
     pub fn finish(
         mut self,
         name: String,
@@ -244,7 +242,7 @@ impl SceneBuilder {
     }
 }
 
-/// Appends what a triangle has to a list that stays empty until the first one has it.
+/// Appends a triangle's item to a list, which stays empty until the first triangle has one.
 fn push_at<T: Copy + Default>(list: &mut Vec<T>, triangle: usize, item: Option<T>) {
     if item.is_some() || !list.is_empty() {
         list.resize(triangle, T::default());
@@ -252,40 +250,14 @@ fn push_at<T: Copy + Default>(list: &mut Vec<T>, triangle: usize, item: Option<T
     }
 }
 
-/// Whether a vertex normal differs from the geometric normal, on either side, by more than 2·10⁻⁴: more than
-/// models round to.
+/// Tests whether a vertex normal differs from the geometric normal, on either side, by more than 2·10⁻⁴.
+/// Models round their normals by less.
 fn is_smooth(vertices: [Vec3; 3], normals: [Vec3; 3]) -> bool {
     let [a, b, c] = vertices.map(Vec3::as_dvec3);
     let flat = (b - a).cross(c - a).normalize();
     normals.iter().any(|normal| normal.as_dvec3().cross(flat).length() > 2e-4)
 }
 
-/// Cosine of the steepest slope (40°) that is textured like a floor. Not a slope that people build: there,
-/// rounding would give neighbouring triangles different mappings.
+/// Cosine of the steepest slope (40°) that is textured like a floor. At a common slope of buildings, rounding
+/// would give neighbouring triangles different mappings.
 const FLAT: f64 = 0.77;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use octray_engine::scene::Side;
-
-    #[test]
-    fn room_ends_at_the_limits_of_a_scene() {
-        let mut builder = SceneBuilder::default();
-        let material = builder.default_material();
-        let (center, radius, texture_side, texture_turn) = (Vec3::ZERO, 1.0, Side::Outside, 0.0);
-        builder.scene.spheres.push(Sphere { center, radius, material, texture_side, texture_turn });
-        assert!(builder.add_triangle([DVec3::ZERO, DVec3::X, DVec3::Y], material, Attributes::default()));
-        assert!(builder.check_room(MAX_PRIMITIVES - 2).is_ok());
-        let error = builder.check_room(MAX_PRIMITIVES - 1).unwrap_err();
-        assert_eq!(error.what, "the scene holds 268435457 spheres and triangles");
-
-        let grey = Material::new("m", MaterialKind::Diffuse, Vec3::ONE);
-        builder.scene.materials.resize(MAX_MATERIALS, grey.clone());
-        assert!(builder.check_room(0).is_ok());
-        builder.scene.materials.push(grey);
-        let error = builder.check_room(0).unwrap_err();
-        assert_eq!(error.what, "the scene holds 1048577 materials");
-        assert_eq!(error.mend.as_deref(), Some("leave at most 1048576"));
-    }
-}

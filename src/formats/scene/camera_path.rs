@@ -1,11 +1,11 @@
-//! Cameras between keyframes.
+//! Interpolates cameras between keyframes.
 //!
 //! Position, target, up and field of view follow a Catmull-Rom spline each: a cubic Hermite spline through
-//! the keyframes, with the slope between the two neighbours as the slope at a keyframe, at the ends the slope
-//! of the only neighbour. It passes the keyframes without a jump in speed. Three keyframes on a line and
-//! evenly apart give a straight line at even speed; elsewhere the curve may swing beyond its keyframes, by at
-//! most 4/27 of the slopes times the frames between. Source: Catmull, Rom, "A class of local interpolating
-//! splines", 1974; keyframes need not be evenly apart in time.
+//! the keyframes whose slope at a keyframe is the slope between its two neighbours, or, at an end, towards its
+//! only neighbour. The speed does not jump at keyframes. Keyframes on a line and evenly apart give a straight
+//! line at even speed. Elsewhere the curve may swing beyond its keyframes, by at most 4/27 of the slopes times
+//! the frames between them. Source: Catmull, Rom, "A class of local interpolating splines", 1974, for
+//! keyframes that need not be evenly apart in time.
 
 use glam::DVec3;
 use octray_engine::scene::Camera;
@@ -13,37 +13,39 @@ use octray_engine::scene::Camera;
 /// A camera at a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Keyframe {
-    /// Its number.
+    /// The frame's number.
     pub frame: u32,
-    /// The view at that frame.
+    /// The camera at that frame.
     pub camera: Camera,
 }
 
-/// Keyframes in ascending order of their frames; none in a view without a path.
+/// A path of a camera: keyframes in ascending order of their frames, or none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CameraPath(Vec<Keyframe>);
 
 impl CameraPath {
+    /// Makes a path of keyframes.
+    ///
     /// # Panics
-    /// If the frames do not ascend.
+    /// If their frames do not ascend.
     pub fn new(keyframes: Vec<Keyframe>) -> Self {
         assert!(keyframes.is_sorted_by(|a, b| a.frame < b.frame), "keyframes ascend");
         Self(keyframes)
     }
 
-    /// In ascending order of their frames.
+    /// Returns the keyframes in ascending order of their frames.
     pub fn keyframes(&self) -> &[Keyframe] {
         &self.0
     }
 
-    /// The first and the last frame, if there are keyframes.
+    /// Returns the first and the last frame, if there are keyframes.
     pub fn frames(&self) -> Option<[u32; 2]> {
         Some([self.0.first()?.frame, self.0.last()?.frame])
     }
 
-    /// The camera of a frame, the keyframe's own at a keyframe. `None` outside [`CameraPath::frames`]. The
-    /// spline can pass an impossible camera: see [`Camera::fault`].
-    pub fn at(&self, frame: u32) -> Option<Camera> {
+    /// Returns the camera of a frame; at a keyframe, exactly the keyframe's. Returns `None` outside
+    /// [`CameraPath::frames`]. The spline can pass through an impossible camera: see [`Camera::fault`].
+    pub fn camera_at(&self, frame: u32) -> Option<Camera> {
         let next = self.0.partition_point(|key| key.frame < frame);
         let key = self.0.get(next)?;
         if key.frame == frame {
@@ -51,11 +53,11 @@ impl CameraPath {
         }
         let before = next.checked_sub(1)?;
         let first = before.saturating_sub(1);
-        // The keyframes around, each end twice where there is no more: the slope is then that of one side.
+        // Two keyframes on each side. A missing outer one repeats the inner one, whose slope is then one-sided.
         let keys = [first, before, next, (next + 1).min(self.0.len() - 1)].map(|index| &self.0[index]);
         let times = keys.map(|key| f64::from(key.frame));
-        let spline = |of: fn(&Camera) -> DVec3| {
-            hermite(times, keys.map(|key| of(&key.camera)), f64::from(frame)).as_vec3()
+        let spline = |value: fn(&Camera) -> DVec3| {
+            hermite(times, keys.map(|key| value(&key.camera)), f64::from(frame)).as_vec3()
         };
         Some(Camera {
             position: spline(|camera| camera.position.as_dvec3()),
@@ -66,7 +68,7 @@ impl CameraPath {
     }
 }
 
-/// The spline between the second and the third point, at a time between theirs.
+/// Evaluates the spline between the second and the third point, at a time between theirs.
 fn hermite(times: [f64; 4], points: [DVec3; 4], time: f64) -> DVec3 {
     let [t0, t1, t2, t3] = times;
     let [p0, p1, p2, p3] = points;
@@ -98,17 +100,17 @@ mod tests {
     fn path_passes_its_keyframes_and_ends_with_them() {
         let path = path(&[(3, 0.1), (5, 7.3), (20, -2.7)]);
         for key in path.keyframes() {
-            assert_eq!(path.at(key.frame), Some(key.camera));
+            assert_eq!(path.camera_at(key.frame), Some(key.camera));
         }
-        assert_eq!((path.at(2), path.at(21), path.frames()), (None, None, Some([3, 20])));
-        assert_eq!(CameraPath::default().at(0), None);
+        assert_eq!((path.camera_at(2), path.camera_at(21), path.frames()), (None, None, Some([3, 20])));
+        assert_eq!(CameraPath::default().camera_at(0), None);
     }
 
     #[test]
     fn path_is_straight_and_even_where_its_keyframes_are() {
         let path = path(&[(0, 0.0), (10, 5.0), (30, 15.0), (32, 16.0)]);
         for frame in 0..=32 {
-            let found = path.at(frame).unwrap();
+            let found = path.camera_at(frame).unwrap();
             let expected = camera(frame as f32 / 2.0);
             assert!((found.position - expected.position).length() < 1e-5, "{frame}: {found:?}");
             assert!((found.vertical_fov - expected.vertical_fov).abs() < 1e-5, "{frame}: {found:?}");
@@ -120,7 +122,7 @@ mod tests {
     fn path_keeps_its_speed_at_a_keyframe() {
         // In steps of a thousandth of the way, the speed before and after the keyframe is the same.
         let path = path(&[(0, 0.0), (1000, 3.0), (3000, -1.0), (4000, 8.0)]);
-        let x = |frame| f64::from(path.at(frame).unwrap().position.x);
+        let x = |frame| f64::from(path.camera_at(frame).unwrap().position.x);
         for key in [1000, 3000] {
             let [before, after] = [x(key) - x(key - 1), x(key + 1) - x(key)];
             assert!((before - after).abs() < 2e-5, "{key}: {before} and {after}");

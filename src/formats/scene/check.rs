@@ -1,4 +1,4 @@
-//! Bounds and checks of numbers that every format shares.
+//! Checks numbers against the bounds that every format shares.
 
 use super::error::SceneError;
 use super::json::JsonPath;
@@ -15,52 +15,52 @@ pub const MAX_NUMBER: f64 = 1e18;
 pub const WITHIN_BOUNDS: &str =
     "write a number from -1e18 to 1e18; beyond that, squares overflow single precision";
 
-/// The largest offset of rays that leave a primitive, in distances from the camera to what it looks at: at
-/// half of it, pictures of balls on a floor change by less than 1 %.
+/// Largest offset of rays that leave a primitive, relative to the distance from the camera to `look_at`. At
+/// half this offset, pictures of balls on a floor change by less than 1 %.
 const MOST_OFFSET: f64 = 1.0 / 32.0;
-/// The coarsest rounding of coordinates at what the camera looks at, in distances from the camera.
+/// Coarsest rounding of coordinates at `look_at`, relative to its distance from the camera.
 const MOST_ROUNDING: f64 = 1e-4;
-/// Surfaces that are so many of these distances from what the camera looks at are not in the way of it.
+/// Distance of surfaces from `look_at` from which on their offset is ignored, relative to that of the camera.
 const IN_VIEW: f64 = 8.0;
 
-/// Whether a scene may hold the number. False for NaN.
-pub fn fits(x: f64) -> bool {
+/// Tests whether a scene may hold the number. False for NaN.
+pub fn is_within_bounds(x: f64) -> bool {
     x.abs() <= MAX_NUMBER
 }
 
-/// Whether single precision holds a point of a scene. False for NaN.
+/// Tests whether single precision holds a point of a scene. False for NaN.
 pub fn is_near(point: DVec3) -> bool {
     point.to_array().into_iter().all(|x| x.abs() <= MAX_COORDINATE)
 }
 
-/// How to mend a point that is not near.
-pub fn near(Coordinates { origin, unit }: &Coordinates) -> String {
+/// Returns the remedy for a point that is not [near](is_near).
+pub fn bring_near(Coordinates { origin, unit }: &Coordinates) -> String {
     let most = MAX_COORDINATE * unit;
     format!("single precision holds this scene up to {most:.1e} around {origin}: move it, or make it smaller")
 }
 
-/// Whether the triangle, its vertices already rounded to f32, has an area that f32 can express.
+/// Tests whether a triangle, its vertices already rounded to f32, has an area that f32 can express.
 pub fn has_area(vertices: &[Vec3; 3]) -> bool {
     let [a, b, c] = vertices.map(Vec3::as_dvec3);
     let doubled = (b - a).cross(c - a).length() as f32;
     doubled.is_normal()
 }
 
-/// Warns of the first of these cameras that looks where coordinates are rounded coarsely, or else of
-/// primitives in view of one that are so large that rays leave them beyond what stands on them.
+/// Returns a warning about the first of these cameras that looks where coordinates are rounded coarsely, or
+/// else about primitives in view that are so large that the offset of rays from them shows in the picture.
 pub fn warn_of_size(scene: &Scene, cameras: &[Camera]) -> Option<String> {
     let view = |camera: &Camera| f64::from(camera.position.distance(camera.look_at));
     let rounding = |camera: &Camera| f64::from(camera.look_at.abs().max_element() * f32::EPSILON);
     if let Some(far) = cameras.iter().find(|camera| rounding(camera) > view(camera) * MOST_ROUNDING) {
         let look_at = point_in_file(far.look_at, &scene.coordinates);
         return Some(format!(
-            "What the camera looks at, {look_at}, is so far from the scene's origin, {}, that coordinates are rounded to \
-             {:.1e} there: write a near point as `origin` into the scene's file.",
+            "The camera's `look_at`, {look_at}, is so far from the scene's origin, {}, that coordinates are rounded to \
+             {:.1e} there: write a point near it as `origin` into the scene's file.",
             scene.coordinates.origin,
             rounding(far) * scene.coordinates.unit
         ));
     }
-    // The offset, in the camera's distances from what it looks at.
+    // Number of the primitive, and its offset relative to the distance from the camera to `look_at`.
     let too_large = |(number, primitive): (usize, Primitive)| {
         let offset = f64::from(primitive.shape().offset());
         let is_near =
@@ -74,16 +74,15 @@ pub fn warn_of_size(scene: &Scene, cameras: &[Camera]) -> Option<String> {
     let more = found.count();
     let more = if more > 0 { format!(" (as are {more} more)") } else { String::new() };
     Some(format!(
-        "{list}[{index}]{more} is too large for single precision: rays leave it off its surface by {:.0} % of the \
-         camera's distance from `look_at`, beyond what stands on it. Make it {:.0} times smaller, or more.",
-        100.0 * offset,
+        "{list}[{index}]{more} is too large for single precision here: shadows and reflections near it will be wrong. \
+         Make it at least {:.0} times smaller.",
         (offset / MOST_OFFSET).ceil()
     ))
 }
 
-/// Each takes what the file says here, and returns it as a scene holds it.
+/// Checks of the value of a file at this place, which return it as a scene holds it.
 impl JsonPath<'_> {
-    /// Every item of an array.
+    /// Checks every item of an array.
     pub fn each<T: Copy, U: Copy + Default, const N: usize>(
         &self,
         items: [T; N],
@@ -97,7 +96,11 @@ impl JsonPath<'_> {
     }
 
     pub fn number(&self, x: f64) -> Result<f32, SceneError> {
-        if fits(x) { Ok(x as f32) } else { Err(self.error(format!("{x:e} is too large"), WITHIN_BOUNDS)) }
+        if is_within_bounds(x) {
+            Ok(x as f32)
+        } else {
+            Err(self.error(format!("{x:e} is too large"), WITHIN_BOUNDS))
+        }
     }
 
     pub fn vec2(&self, v: [f64; 2]) -> Result<Vec2, SceneError> {
@@ -108,18 +111,18 @@ impl JsonPath<'_> {
         self.each(v, |place, x| place.number(x)).map(Vec3::from)
     }
 
-    /// A point of the file, as it is in the scene before it is rounded.
+    /// Converts a point of the file to the scene's coordinates, unrounded.
     pub fn point(&self, point: [f64; 3], coordinates: &Coordinates) -> Result<DVec3, SceneError> {
         self.vec3(point)?;
         let placed = coordinates.to_scene(DVec3::from(point));
         if is_near(placed) {
             Ok(placed)
         } else {
-            Err(self.error(format!("{point:?} is too far away"), near(coordinates)))
+            Err(self.error(format!("{point:?} is too far away"), bring_near(coordinates)))
         }
     }
 
-    /// Degrees as a fraction of a whole turn, in [0, 1); 0 where missing.
+    /// Converts degrees to a fraction of a whole turn in [0, 1); 0 if missing.
     pub fn turns(&self, degrees: Option<f64>) -> Result<f32, SceneError> {
         let degrees = degrees.unwrap_or(0.0);
         self.number(degrees)?;
@@ -127,7 +130,7 @@ impl JsonPath<'_> {
         Ok(Some((degrees / 360.0).rem_euclid(1.0) as f32).filter(|&turns| turns < 1.0).unwrap_or(0.0))
     }
 
-    /// A number of at least 0.
+    /// Checks a number of at least 0.
     pub fn not_negative(&self, x: f64) -> Result<f32, SceneError> {
         if x < 0.0 {
             return Err(self.error(format!("{x} is negative"), "write a number of 0 or more"));
@@ -135,7 +138,7 @@ impl JsonPath<'_> {
         self.number(x)
     }
 
-    /// A number from 0 to 1.
+    /// Checks a number from 0 to 1.
     pub fn fraction(&self, x: f64) -> Result<f32, SceneError> {
         if !(0.0..=1.0).contains(&x) {
             return Err(self.error(format!("{x} is outside 0 to 1"), "write a number from 0 to 1"));
@@ -143,24 +146,24 @@ impl JsonPath<'_> {
         Ok(x as f32)
     }
 
-    /// A reflectance: each channel from 0 to 1.
+    /// Checks a reflectance, whose channels are from 0 to 1.
     pub fn reflectance(&self, color: [f64; 3]) -> Result<Vec3, SceneError> {
         let channel = |place: &JsonPath, x: f64| {
-            if (0.0..=1.0).contains(&x) {
-                return Ok(x as f32);
-            }
-            let mend = "a surface cannot return more light than it gets: write a number from 0 to 1; \
-                        to make it emit light use `emission`";
-            Err(place.error(format!("the colour channel {x} is outside 0 to 1"), mend))
+            place.fraction(x).map_err(|_| {
+                let mend = "a surface cannot return more light than it gets: write a number from 0 to 1; \
+                            to make it emit light use `emission`";
+                place.error(format!("the colour channel {x} is outside 0 to 1"), mend)
+            })
         };
         self.each(color, channel).map(Vec3::from)
     }
 
-    /// A radiance: no channel below 0.
+    /// Checks a radiance, no channel of which is below 0.
     pub fn radiance(&self, color: [f64; 3]) -> Result<Vec3, SceneError> {
         self.each(color, |place, x| place.not_negative(x)).map(Vec3::from)
     }
 
+    /// Converts a radius to the scene's coordinates, unrounded.
     pub fn radius(&self, x: f64, coordinates: &Coordinates) -> Result<f64, SceneError> {
         self.number(x)?;
         let radius = x / coordinates.unit;
@@ -178,7 +181,7 @@ impl JsonPath<'_> {
             return Err(self.error(what, mend));
         }
         if radius > MAX_COORDINATE {
-            return Err(self.error(format!("the radius {x:e} is too large"), near(coordinates)));
+            return Err(self.error(format!("the radius {x:e} is too large"), bring_near(coordinates)));
         }
         Ok(radius)
     }

@@ -1,4 +1,4 @@
-//! The colours of picture files in linear Rec. 709, the primaries of scenes.
+//! Converts the colours of picture files to linear Rec. 709, the primaries of scenes.
 
 use crate::openexr::Chromaticities;
 use glam::{DMat3, DVec3, Vec3};
@@ -9,10 +9,11 @@ use moxcms::{
 use octray_engine::scene::{Texels, srgb_to_linear};
 
 const REC709: Chromaticities = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
-/// Colours and curves that differ less, in a linear channel, are the same: files round them.
+/// Largest difference in a linear channel between colours or curves that count as the same, because files
+/// round them.
 const SAME: f64 = 2e-3;
 
-/// From linear RGB to CIE XYZ. Source: SMPTE RP 177.
+/// Returns the matrix from linear RGB to CIE XYZ. Source: SMPTE RP 177.
 fn to_xyz(file: Chromaticities) -> DMat3 {
     let xyz = |[x, y]: [f32; 2]| DVec3::new(x.into(), y.into(), 1.0 - f64::from(x) - f64::from(y));
     let [red, green, blue, white] = file.map(xyz);
@@ -20,19 +21,19 @@ fn to_xyz(file: Chromaticities) -> DMat3 {
     primaries * DMat3::from_diagonal(primaries.inverse() * (white / white.y))
 }
 
-/// From CIE XYZ to linear Rec. 709.
+/// Returns the matrix from CIE XYZ to linear Rec. 709.
 pub fn xyz_to_rec709() -> DMat3 {
     to_xyz(REC709).inverse()
 }
 
-/// From linear RGB of these primaries to linear Rec. 709; `None` where they span no colours. The light stays
-/// the same: white is not adapted, as a picture of radiance has no viewer.
+/// Returns the matrix from linear RGB of these primaries to linear Rec. 709; `None` if they span no colours.
+/// White is not adapted, because a picture of radiance has no viewer.
 pub fn to_rec709(file: Chromaticities) -> Option<DMat3> {
     let found = xyz_to_rec709() * to_xyz(file);
     found.is_finite().then_some(found)
 }
 
-/// Converts linear colours, unless the matrix changes hardly anything.
+/// Converts linear colours, unless the matrix is nearly the identity.
 pub fn convert(pixels: &mut [[f32; 3]], matrix: DMat3) {
     if !matrix.abs_diff_eq(DMat3::IDENTITY, SAME) {
         for pixel in pixels {
@@ -42,7 +43,7 @@ pub fn convert(pixels: &mut [[f32; 3]], matrix: DMat3) {
     }
 }
 
-/// The profile of code points for video; `None` where numbers are not relative to white.
+/// Returns the profile of code points for video; `None` if their values are not relative to white.
 pub fn cicp(codes: png::CodingIndependentCodePoints) -> Option<ColorProfile> {
     let transfer = TransferCharacteristics::try_from(codes.transfer_function).ok()?;
     let is_absolute = [TransferCharacteristics::Smpte2084, TransferCharacteristics::Hlg].contains(&transfer);
@@ -54,7 +55,7 @@ pub fn cicp(codes: png::CodingIndependentCodePoints) -> Option<ColorProfile> {
     }))
 }
 
-/// The profile of an exponent and of primaries, where they are given, and otherwise of sRGB.
+/// Returns the profile of an exponent and of primaries; those of sRGB stand for missing ones.
 pub fn chromatic(gamma: Option<f32>, primaries: Option<Chromaticities>) -> ColorProfile {
     let mut profile = ColorProfile::new_srgb();
     if let Some(file) = primaries.filter(|file| to_rec709(*file).is_some()) {
@@ -67,8 +68,8 @@ pub fn chromatic(gamma: Option<f32>, primaries: Option<Chromaticities>) -> Color
     profile
 }
 
-/// The linear texels of a picture, clipped to Rec. 709. `Some(None)` where the profile is sRGB, and `None`
-/// where it has no curves: it is of tables, or not of RGB or grey.
+/// Converts a picture to linear texels, clipped to Rec. 709. Returns `Some(None)` if the profile is sRGB, and
+/// `None` if it has no curves, as profiles of tables and those of other colours than RGB or grey.
 pub fn linear(profile: &ColorProfile, picture: &DynamicImage) -> Option<Option<Texels>> {
     let grey = profile.gray_trc.as_ref();
     let rows = profile.transform_matrix(&ColorProfile::new_srgb()).v;

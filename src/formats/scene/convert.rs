@@ -1,6 +1,6 @@
-//! Converts a model to a native scene file with its triangles and materials written out.
+//! Converts a model to a native scene file with its triangles and materials.
 //!
-//! Every number reads back as the same bits. Textures stay files, named as in the model's materials; those
+//! Every number reads back as the same bits. Textures stay files, named as in the model's materials. Textures
 //! inside the model become files.
 
 use super::error::SceneError;
@@ -22,17 +22,16 @@ use std::path::{Path, PathBuf};
 pub struct Converted {
     /// The text of the scene file.
     pub text: String,
-    /// Textures that are no files of their own, as those inside a .glb: file names beside the scene file, and
-    /// content.
+    /// The names beside the scene file, and the content, of textures inside the model, as in a .glb file.
     pub pictures: Vec<(PathBuf, Vec<u8>)>,
     /// The files that were read, and names that were tried.
     pub files: Vec<PathBuf>,
-    /// What was left out, with its place.
+    /// Warnings about everything that was left out, with its place.
     pub warnings: Vec<String>,
 }
 
-/// A scene file at `scene` that shows the model as [`load`](super::load) would. Texture paths in it are
-/// relative to its folder.
+/// Converts a model to a scene file at `scene` that loads as the same scene as the model. Texture paths in it
+/// are relative to its folder.
 pub fn convert_model(model: &Path, scene: &Path) -> Result<Converted, SceneError> {
     let files = Files::beside(model);
     let content = files.read_named(model)?;
@@ -60,7 +59,7 @@ pub fn convert_model(model: &Path, scene: &Path) -> Result<Converted, SceneError
     Ok(Converted { text, pictures, files: files.into_requested(), warnings: shown.warnings })
 }
 
-/// A texture as the content of an image file that reads back as the same texels, and the extension.
+/// Returns the extension and the content of an image file that reads back as the same texels.
 fn encoded(texture: &Texture) -> Result<(&'static str, Vec<u8>), String> {
     let (width, height) = (texture.width, texture.height);
     let mut bytes = Vec::new();
@@ -129,7 +128,7 @@ fn triangle_text(scene: &Scene, number: usize, names: &[String]) -> String {
     format!("    {{ {text}\"material\": {} }}", json!(names[triangle.material as usize]))
 }
 
-/// The materials' names, duplicates numbered: the format refuses a name that occurs twice.
+/// Returns the materials' names. Duplicates are numbered, because the format refuses a name that occurs twice.
 fn unique_names(materials: &[Material]) -> Vec<String> {
     let mut seen: HashMap<String, usize> = HashMap::new();
     materials
@@ -149,7 +148,7 @@ fn unique_names(materials: &[Material]) -> Vec<String> {
         .collect()
 }
 
-/// The texture of vertex colours, if the material has it.
+/// Returns the texture of vertex colours, if the material has it.
 fn vertex_colors_of<'a>(scene: &'a Scene, material: &Material) -> Option<&'a Texture> {
     let texture = &scene.textures[material.texture? as usize];
     (texture.name == vertex_colors::NAME).then_some(texture)
@@ -199,18 +198,4 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
 
 fn channels(color: Vec3) -> Value {
     Value::Array(color.to_array().iter().map(|&x| number(x).parse().expect("a JSON number")).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn unique_names_numbers_duplicates() {
-        let material = |name: &str| Material::new(name, MaterialKind::Diffuse, Vec3::ONE);
-        assert_eq!(
-            unique_names(&["a", "a", "b", "a 2", "a"].map(material)),
-            ["a", "a 2", "b", "a 2 2", "a 3"]
-        );
-    }
 }

@@ -1,11 +1,11 @@
-//! The scene files and textures that are compiled into the program.
+//! Holds the scene files and textures that are compiled into the program.
 
 use std::path::Path;
 
 /// Prefix of built-in scenes on the command line.
 pub const PREFIX: &str = "builtin:";
 
-/// A scene that shows why methods must be robust. It says nothing about speed.
+/// A scene that shows why methods must be robust. It is no benchmark.
 const FAR: &str = "far";
 
 const SCENES: [(&str, &str); 9] = [
@@ -25,22 +25,22 @@ const FILES: [(&str, &[u8]); 2] = [
     ("textures/chess.png", include_bytes!("../scenes/textures/chess.png")),
 ];
 
-/// The names that may follow `builtin:`.
+/// Returns the names that may follow `builtin:`.
 pub fn names() -> impl Iterator<Item = &'static str> {
     SCENES.iter().map(|&(name, _)| name)
 }
 
-/// The scenes that commands which measure speed take where none is named.
+/// Returns the names of the scenes that benchmarks use by default.
 pub fn bench_names() -> impl Iterator<Item = &'static str> {
     names().filter(|&name| name != FAR)
 }
 
-/// The text of a built-in scene.
+/// Returns the text of a built-in scene.
 pub fn scene(name: &str) -> Option<&'static str> {
     SCENES.iter().find(|&&(known, _)| known == name).map(|&(_, text)| text)
 }
 
-/// The content of a file that a built-in scene refers to.
+/// Returns the content of a file that a built-in scene refers to.
 pub fn file(path: &Path) -> Option<&'static [u8]> {
     FILES.iter().find(|(known, _)| Path::new(known) == path).map(|&(_, content)| content)
 }

@@ -1,26 +1,26 @@
-//! Why a scene was refused: what, where, and how to mend it.
+//! Reports why a scene was refused, where the fault is, and how to mend it.
 
 use octray_engine::scene::Scene;
 use std::path::PathBuf;
 
-/// Most faults of a file that are told at once.
+/// Most faults of a file in one error.
 pub const MAX_FAULTS: usize = 10;
 
-/// Why a scene was refused.
+/// The reason why a scene was refused.
 #[derive(Debug, thiserror::Error)]
 #[error("{what}{}{}{}", place(.file, .at), remedy(.mend), further(.others))]
 pub struct SceneError {
-    /// What is wrong, as a clause without a full stop.
+    /// The fault, as a clause without a full stop.
     pub what: String,
     /// The file that contains the fault.
     pub file: Option<PathBuf>,
-    /// Where in the file: a JSON path (`materials.clay.color[1]`) or `line 12, column 5`, or both.
+    /// The place in the file: a JSON path (`materials.clay.color[1]`) or `line 12, column 5`, or both.
     pub at: Option<Box<str>>,
-    /// How to mend it.
+    /// The remedy.
     pub mend: Option<Box<str>>,
-    /// The other faults of the file, in its order: at most [`MAX_FAULTS`] in all.
+    /// The other faults of the file in its order, at most [`MAX_FAULTS`] in all.
     pub others: Box<[SceneError]>,
-    /// Every file requested until then, existing or not: once one of them changes, loading may succeed.
+    /// The files requested until then, existing or not. Loading may succeed once one of them changes.
     pub files: Vec<PathBuf>,
 }
 
@@ -42,7 +42,7 @@ fn further(others: &[SceneError]) -> String {
 }
 
 impl SceneError {
-    /// An error without a file and a remedy.
+    /// Makes an error without a file and a remedy.
     pub(super) fn new(what: impl Into<String>) -> Self {
         Self {
             what: what.into(),
@@ -53,8 +53,8 @@ impl SceneError {
             files: Vec::new(),
         }
     }
-    /// The faults of a file as one error; `None` without faults.
-    pub(super) fn of_all(faults: Vec<Self>) -> Option<Self> {
+    /// Joins the faults of a file in one error; `None` without faults.
+    pub(super) fn join(faults: Vec<Self>) -> Option<Self> {
         let mut all = Vec::new();
         for mut fault in faults {
             let others = std::mem::take(&mut fault.others);
@@ -66,11 +66,11 @@ impl SceneError {
         let mut all = all.into_iter();
         all.next().map(|first| Self { others: all.collect(), ..first })
     }
-    /// A valid scene cannot be used, and why.
-    pub fn of_use(why: String, scene: &Scene) -> Self {
+    /// Makes an error about a valid scene that cannot be used.
+    pub fn unusable(why: String, scene: &Scene) -> Self {
         Self::new(format!("{}: {why}", scene.name)).after(scene.files.clone())
     }
-    /// [`Scene::overview`] has no camera.
+    /// Makes an error about a scene for which [`Scene::overview`] has no camera.
     pub fn no_overview(scene: &Scene) -> Self {
         let what = "is so small, or so far from the origin, that no camera can stand beside it";
         Self::new(format!("`{}` {what}", scene.name)).mend("move it to the origin, or scale it up")
@@ -78,20 +78,20 @@ impl SceneError {
     pub(super) fn in_file(self, file: impl Into<PathBuf>) -> Self {
         Self { file: Some(file.into()), ..self }
     }
-    pub(super) fn at(self, at: impl Into<Box<str>>) -> Self {
+    pub(super) fn at_place(self, at: impl Into<Box<str>>) -> Self {
         Self { at: Some(at.into()), ..self }
     }
-    /// The JSON path alone.
+    /// Returns the JSON path of `at`.
     pub(super) fn place(&self) -> &str {
         self.at.as_deref().unwrap_or_default().split(", line ").next().unwrap_or_default()
     }
-    /// As `at` ends with them; 0 where it does not.
+    /// Returns the line and the column at the end of `at`; 0 if there are none.
     fn line_and_column(&self) -> [usize; 2] {
         let numbers = self.at.as_deref().and_then(|at| at.rsplit_once("line ")?.1.split_once(", column "));
         let (line, column) = numbers.unwrap_or_default();
         [line, column].map(|number| number.parse().unwrap_or(0))
     }
-    /// Appends requested files.
+    /// Adds requested files.
     pub(super) fn after(mut self, files: Vec<PathBuf>) -> Self {
         self.files.extend(files);
         self

@@ -1,10 +1,10 @@
-//! All faults of a text of a native format at once, in the words of its reader.
+//! Finds all faults of keys and types in a text of a native format at once.
 
 use super::error::{MAX_FAULTS, SceneError};
 use super::json::{JsonPath, REMOVE_ONE, Source, data_fault, quoted, read};
 use super::material;
 use super::native::{MATERIAL, example};
-use super::spelling::{did_you_mean, instead};
+use super::spelling::{advice, did_you_mean};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use serde_path_to_error::Segment;
@@ -19,7 +19,7 @@ enum Step {
 }
 
 /// Parses the text as `T`, and finds the faults of its keys and types. Each is mended in a copy, which is
-/// read again: what is unknown or of a wrong type is left out, what is missing is taken from [`example`].
+/// read again: unknown keys and values of a wrong type are removed, missing ones are taken from [`example`].
 pub fn read_all<T: DeserializeOwned>(source: &Source) -> Result<(T, Vec<SceneError>), SceneError> {
     let first = match read(source) {
         Ok(found) => return Ok((found, Vec::new())),
@@ -29,7 +29,7 @@ pub fn read_all<T: DeserializeOwned>(source: &Source) -> Result<(T, Vec<SceneErr
     let (mut faults, mut left_out) = (Vec::new(), Vec::new());
     while faults.len() < MAX_FAULTS {
         let error = match serde_path_to_error::deserialize(&value) {
-            // Of a key that occurs twice, `value` has the second alone.
+            // `value` has only the second value of a key that occurs twice.
             Ok(found) if faults.is_empty() || first.mend.as_deref() == Some(REMOVE_ONE) => {
                 faults.push(first);
                 return Ok((found, faults));
@@ -39,19 +39,19 @@ pub fn read_all<T: DeserializeOwned>(source: &Source) -> Result<(T, Vec<SceneErr
         };
         let steps = error.path().iter().filter_map(step).collect();
         let Some(fault) = mend(&mut value, steps, &error.inner().to_string(), &mut left_out) else { break };
-        faults.extend(fault.map(|fault| fault.at(&source.root(), &fault.place)));
+        faults.extend(fault.map(|fault| fault.error(&source.root(), &fault.place)));
     }
-    Err(SceneError::of_all(faults).unwrap_or(first))
+    Err(SceneError::join(faults).unwrap_or(first))
 }
 
-/// Returns why the value at a place is no `T`, if there is a value and it is none.
+/// Returns the fault of a value that is no `T`; `None` if it is one, or if there is no value.
 pub fn fault<T: DeserializeOwned>(place: &JsonPath) -> Option<SceneError> {
     let mut deserializer = serde_json::Deserializer::from_str(place.value()?);
     let error = serde_path_to_error::deserialize::<_, T>(&mut deserializer).err()?;
     let message = error.inner().to_string();
     let (what, mend) = data_fault(&error.path().to_string(), message.split(" at line ").next()?);
     let steps: Vec<Step> = error.path().iter().filter_map(step).collect();
-    Some(Fault { place: Vec::new(), what, mend }.at(place, &steps))
+    Some(Fault { place: Vec::new(), what, mend }.error(place, &steps))
 }
 
 fn step(segment: &Segment) -> Option<Step> {
@@ -69,18 +69,18 @@ struct Fault {
 }
 
 impl Fault {
-    /// The fault with its line: `steps` lead from `place` to it.
-    fn at(&self, place: &JsonPath, steps: &[Step]) -> SceneError {
+    /// Returns the error of the fault, to which `steps` lead from `place`.
+    fn error(&self, place: &JsonPath, steps: &[Step]) -> SceneError {
         match steps.split_first() {
-            Some((Step::Key(key), rest)) => self.at(&place.key(key), rest),
-            Some((Step::Item(index), rest)) => self.at(&place.item(*index), rest),
+            Some((Step::Key(key), rest)) => self.error(&place.key(key), rest),
+            Some((Step::Item(index), rest)) => self.error(&place.item(*index), rest),
             None => place.error(&self.what, self.mend.as_str()),
         }
     }
 }
 
-/// Mends the fault at `place`, of which serde says `message`, in `root`. Returns it, or `Some(None)` if it
-/// only follows from what was left out before; `None` if it cannot be mended.
+/// Mends the fault at `place` in `root`. `message` is serde's. Returns the fault, `Some(None)` if it only
+/// follows from an earlier removal, or `None` if it cannot be mended.
 fn mend(
     root: &mut Value,
     mut place: Vec<Step>,
@@ -100,7 +100,7 @@ fn mend(
     }
     let fault_place = place.clone();
     let is_unknown = message.starts_with("unknown field");
-    // What is left out: of a wrong type, the innermost value whose form can be shown.
+    // The innermost value of which there is an example, or else an unknown word, is removed.
     let is_word = is_unknown || message.starts_with("unknown variant");
     let is_shown = |length: &usize| !is_word && example_of(&place[..*length]).is_some();
     let is_key = |length: &usize| matches!(place[*length - 1], Step::Key(_));
@@ -113,13 +113,13 @@ fn mend(
         if is_in_material(&place)
             && let Some(Value::String(material_type)) = object.get("type")
         {
-            known.retain(|key| material::takes(material_type, key));
+            known.retain(|key| material::has_key(material_type, key));
         }
         let guess = did_you_mean(word, &known);
         let of_material = known.contains(&"material") && guess.is_empty() && material::is_key(word);
         let hint = match guess.as_str() {
             _ if of_material => "it belongs to an entry of `materials`, which `material` names here; ".into(),
-            "" => instead(word),
+            "" => advice(word),
             _ => guess,
         };
         (format!("unknown key `{word}`"), format!("{hint}the keys known here are {}", known.join(", ")))
@@ -136,7 +136,7 @@ fn mend(
     Some(Some(Fault { place: fault_place, what, mend }))
 }
 
-/// The value that steps lead to.
+/// Returns the value that steps lead to.
 fn find<'a>(root: &'a mut Value, steps: &[Step]) -> Option<&'a mut Value> {
     steps.iter().try_fold(root, |value, step| match step {
         Step::Key(key) => value.get_mut(key),
@@ -144,12 +144,12 @@ fn find<'a>(root: &'a mut Value, steps: &[Step]) -> Option<&'a mut Value> {
     })
 }
 
-/// Do the steps lead to a material, or to what it holds?
+/// Tests whether the steps lead to a material or into one.
 fn is_in_material(steps: &[Step]) -> bool {
     matches!(steps, [Step::Key(list), _, ..] if list == "materials")
 }
 
-/// An example of the value that steps lead to.
+/// Returns an example of the value that steps lead to.
 fn example_of(steps: &[Step]) -> Option<&'static str> {
     match steps.last()? {
         Step::Key(_) if is_in_material(steps) && steps.len() == 2 => Some(MATERIAL),

@@ -1,4 +1,5 @@
-//! Reads a scene's other files: from a folder on disk, from the program itself, or from a caller's function.
+//! Reads the other files of a scene, from a folder on disk, from the program itself, or from a caller's
+//! function.
 
 use super::embedded;
 use super::error::SceneError;
@@ -11,10 +12,10 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// What may be named as a scene.
+/// The names that stand for a scene, for messages.
 pub const FILES: &str = "a scene (.json), a model (.obj, .gltf, .glb, .ply), or `builtin:NAME`";
 
-/// Whether a file's name ends in this extension, in letters of either case.
+/// Tests whether a file's name ends in this extension, in upper or lower case.
 pub fn has_extension(path: &Path, wanted: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
@@ -24,27 +25,27 @@ const NO_FILE: &str = "no such file";
 /// Largest file that is read, in bytes.
 const MAX_FILE: u64 = 1 << 34;
 
-/// The content of the file at a path.
+/// A function that returns the content of the file at a path.
 pub type Reading = dyn Fn(&Path) -> io::Result<Vec<u8>>;
 
-/// The files that a scene may name, and those that were requested while loading it. Copies record in the same
-/// list. By default the files inside the program, named relative to `scenes/`.
+/// The files that a scene may name, and the list of those that are requested while it is loaded, which copies
+/// share. The default has the files inside the program, named relative to `scenes/`.
 #[derive(Clone)]
 pub struct Files {
-    /// Where relative paths start; `None` inside the program.
+    /// The folder of relative paths; `None` inside the program.
     folder: Option<PathBuf>,
     reading: Rc<Reading>,
-    /// Whether the scene keeps its points as they are before they are rounded: for the reference.
+    /// Whether the scene also keeps its unrounded points, for the reference.
     pub unrounded: bool,
-    /// The names in a folder.
+    /// Returns the names in a folder.
     listing: fn(&Path) -> Vec<OsString>,
     requested: Rc<RefCell<Requested>>,
 }
 
-/// Paths outside the program that were requested, existing or not.
+/// The paths outside the program that were requested, existing or not.
 #[derive(Default)]
 struct Requested {
-    /// In the order of the first request.
+    /// The paths in the order of the first request.
     list: Vec<PathBuf>,
     /// The same paths, for lookup.
     seen: HashSet<PathBuf>,
@@ -59,35 +60,35 @@ impl Default for Files {
 }
 
 impl Files {
-    /// The files beside `file` on disk.
+    /// Returns the files beside `file` on disk.
     pub fn beside(file: &Path) -> Self {
         Self { listing: list_on_disk, ..Self::given(file, Rc::new(read_from_disk)) }
     }
-    /// The files beside `file`, from a function.
+    /// Returns the files beside `file` that a function reads.
     pub fn given(file: &Path, reading: Rc<Reading>) -> Self {
         Self { reading, ..Self::default() }.beside_other(file)
     }
-    /// The same for a scene that keeps its points unrounded, or not.
-    pub fn keeping(self, unrounded: bool) -> Self {
+    /// Returns these files for a scene that keeps its unrounded points, or does not.
+    pub fn with_unrounded(self, unrounded: bool) -> Self {
         Self { unrounded, ..self }
     }
-    /// The files beside another file, from where these come from.
+    /// Returns the files beside another file, read as these are.
     pub fn beside_other(&self, file: &Path) -> Self {
         let folder = file.parent().unwrap_or(Path::new(""));
         Self { folder: Some(folder.to_path_buf()), ..self.clone() }
     }
-    /// Where relative paths start, if outside the program.
+    /// Returns the folder of relative paths, if it is outside the program.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
-    /// The file that `path` names. A leading `./` is dropped for files inside the program.
+    /// Resolves a path relative to the folder. Files inside the program lose a leading `./`.
     pub fn resolve(&self, path: &str) -> PathBuf {
         match &self.folder {
             Some(folder) => folder.join(path),
             None => PathBuf::from(path.trim_start_matches("./")),
         }
     }
-    /// The content of a resolved path, or the reason why there is none.
+    /// Reads the content of a resolved path. The error is the reason why there is none.
     pub fn read(&self, path: &Path) -> Result<Vec<u8>, String> {
         let mut requested = self.requested.borrow_mut();
         if self.folder.is_some() && requested.seen.insert(path.to_path_buf()) {
@@ -99,9 +100,9 @@ impl Files {
             _ => error.to_string(),
         })
     }
-    /// What `attempt` makes of the file that a model names, or why it cannot. The model may come from another
-    /// machine: `\` separates folders too, letters of either case are the same, and a path that leads nowhere
-    /// is tried by its last name, in the folders of the two files `beside`.
+    /// Returns the result of `attempt` for the file that a model names, or the reason why it fails. The model
+    /// may come from another machine: `\` separates folders too, upper and lower case are the same, and a
+    /// path that leads nowhere is tried by its last name, in the folders of the two files `beside`.
     pub fn find<T>(
         &self,
         name: &str,
@@ -126,7 +127,7 @@ impl Files {
         }
         Err(reason)
     }
-    /// A path in `folder` that differs in the case of letters alone.
+    /// Returns an existing path in `folder` that differs from this one at most in the case of letters.
     fn alike(&self, folder: &Path, path: &str) -> Option<PathBuf> {
         let mut parts = path.split('/').filter(|part| !["", "."].contains(part));
         parts.try_fold(folder.to_path_buf(), |folder, part| {
@@ -136,7 +137,7 @@ impl Files {
             found.or_else(|| (part == "..").then(|| part.into())).map(|name| folder.join(name))
         })
     }
-    /// The content of a file that the user named on the command line.
+    /// Reads the content of a file that the user named on the command line.
     pub fn read_named(&self, path: &Path) -> Result<Vec<u8>, SceneError> {
         self.read(path).map_err(|reason| {
             SceneError::new(format!("cannot read the scene: {reason}"))
@@ -144,7 +145,7 @@ impl Files {
                 .mend(format!("give a file that exists and can be read: {FILES}"))
         })
     }
-    /// The paths requested outside the program, existing or not, each once, in the order of requests.
+    /// Returns the paths requested outside the program, existing or not, in the order of the first request.
     pub fn into_requested(self) -> Vec<PathBuf> {
         std::mem::take(&mut self.requested.borrow_mut().list)
     }
@@ -156,8 +157,8 @@ fn list_on_disk(folder: &Path) -> Vec<OsString> {
     entries.map(|entry| entry.file_name()).collect()
 }
 
-/// Anything but a regular file is refused: a pipe or a device may never end. Reads as much as the file has at
-/// the beginning, and allocates it at once or not at all.
+/// Reads a regular file; others are refused, because a pipe or a device may never end. Memory for the length
+/// at the beginning is allocated at once or not at all, and no more is read.
 fn read_from_disk(path: &Path) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
     if metadata.is_dir() {

@@ -8,20 +8,20 @@ use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
-/// A JSON text and the file it came from, for messages.
+/// A JSON text, and the file it came from.
 pub struct Source<'a> {
     pub file: &'a Path,
     pub text: &'a str,
 }
 
 impl Source<'_> {
-    /// The place of the whole text.
+    /// Returns the place of the whole text.
     pub fn root(&self) -> JsonPath<'_> {
         JsonPath::Root(self)
     }
 }
 
-/// A place in a JSON text, a chain of borrowed steps: nothing is allocated until an error prints it.
+/// A place in a JSON text: a chain of borrowed steps, so that nothing is allocated until an error prints it.
 #[derive(Clone, Copy)]
 pub enum JsonPath<'a> {
     Root(&'a Source<'a>),
@@ -42,21 +42,21 @@ impl<'a> JsonPath<'a> {
             JsonPath::Key(parent, _) | JsonPath::Item(parent, _) => parent.source(),
         }
     }
-    /// An error about the value here.
+    /// Makes an error about the value here.
     pub fn error(&self, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
         let source = self.source();
         let error = SceneError::new(what).in_file(source.file).mend(mend);
         match (self, self.value()) {
             (JsonPath::Root(_), _) => error,
-            (_, None) => error.at(self.to_string()),
+            (_, None) => error.at_place(self.to_string()),
             (_, Some(value)) => {
                 let offset = value.as_ptr().addr() - source.text.as_ptr().addr();
                 let (line, column) = line_and_column(source.text, offset);
-                error.at(format!("{self}, line {line}, column {column}"))
+                error.at_place(format!("{self}, line {line}, column {column}"))
             }
         }
     }
-    /// The part of the text that is the value here, if there is one. Domain: the text is valid JSON.
+    /// Returns the text of the value here, if there is one. Domain: the text is valid JSON.
     pub fn value(&self) -> Option<&'a str> {
         let value: &RawValue = match *self {
             JsonPath::Root(source) => return Some(source.text),
@@ -82,17 +82,17 @@ impl fmt::Display for JsonPath<'_> {
     }
 }
 
-/// Both count from 1; columns are characters.
+/// Returns the line and the column in characters of an offset in bytes, both from 1.
 fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     let before = String::from_utf8_lossy(&text.as_bytes()[..offset]);
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
-/// What mends a key or a name that occurs twice.
+/// The remedy for a key or a name that occurs twice.
 pub const REMOVE_ONE: &str = "remove or rename one of the two";
 
-/// Parses a JSON text as `T`; of its faults, the first is told.
+/// Parses a JSON text as `T`. The error is its first fault.
 pub fn read<T: DeserializeOwned>(source: &Source) -> Result<T, SceneError> {
     let mut deserializer = serde_json::Deserializer::from_str(source.text);
     let value: T = serde_path_to_error::deserialize(&mut deserializer)
@@ -119,7 +119,7 @@ fn refusal(source: &Source, path: &str, error: &serde_json::Error) -> SceneError
         "" => format!("line {line}, column {column}"),
         path => format!("{path}, line {line}, column {column}"),
     };
-    SceneError::new(what).in_file(source.file).at(place).mend(mend)
+    SceneError::new(what).in_file(source.file).at_place(place).mend(mend)
 }
 
 fn syntax_fault(message: &str, line: &str, column: usize) -> (String, String) {
@@ -143,16 +143,16 @@ fn syntax_fault(message: &str, line: &str, column: usize) -> (String, String) {
     (format!("broken JSON: {message}"), mend.to_string())
 }
 
-/// The word that serde's message is about, and the words that it knows instead.
+/// Returns the word that a message of serde is about, and the words that are known instead.
 pub fn quoted(message: &str) -> (&str, Vec<&str>) {
     let mut quoted = message.split('`').skip(1).step_by(2);
     (quoted.next().unwrap_or_default(), quoted.collect())
 }
 
-/// What serde says of a list with more entries than it may have.
+/// The message of serde about a list with more entries than it may have.
 const LONG_LIST: &str = "trailing characters";
 
-/// What is wrong, and how to mend it, from serde's message.
+/// Returns the fault and the remedy of a message of serde.
 pub fn data_fault(path: &str, message: &str) -> (String, String) {
     let (word, known) = quoted(message);
     if message.starts_with("unknown field") {

@@ -1,4 +1,4 @@
-//! From a name on the command line to a [`Scene`].
+//! Loads the [`Scene`] of a name on the command line, and detects its format.
 
 use super::embedded::{self, PREFIX};
 use super::error::SceneError;
@@ -31,8 +31,8 @@ pub fn load_with_view(spec: &(impl AsRef<OsStr> + ?Sized)) -> Result<Loaded, Sce
     load_as(spec.as_ref(), false)
 }
 
-/// Loads a scene as [`load_with_view`] does; if `unrounded`, with what the reference reads: its points also
-/// as they are before they are rounded to single precision.
+/// Loads a scene as [`load_with_view`] does; if `unrounded`, also with its points before they are rounded to
+/// single precision, for the reference.
 pub fn load_as(spec: &OsStr, unrounded: bool) -> Result<Loaded, SceneError> {
     let path = Path::new(spec);
     let name = path.to_string_lossy();
@@ -54,12 +54,12 @@ pub fn load_as(spec: &OsStr, unrounded: bool) -> Result<Loaded, SceneError> {
         return Err(SceneError::new(what).in_file(path).mend(mend));
     }
     let start = SystemTime::now();
-    from_named(path, Files::beside(path).keeping(unrounded))
+    from_named(path, Files::beside(path).with_unrounded(unrounded))
         .map(|loaded| Loaded { read: Some(start), ..loaded })
 }
 
-/// Loads a scene as [`load_with_view`] does, from files that are not on disk: `read` has the content of the
-/// file at `path`, and of those that it names, beside it.
+/// Loads a scene as [`load_with_view`] does, from files that are not on disk: `read` returns the content of
+/// the file at `path`, and of the files beside it that it names.
 ///
 /// ```
 /// use octray_formats::scene::load_from;
@@ -81,7 +81,7 @@ pub fn load_from(
     from_named(path, Files::given(path, Rc::new(read)))
 }
 
-/// The scene in a file that the user named.
+/// Loads the scene in a file that the user named.
 fn from_named(path: &Path, files: Files) -> Result<Loaded, SceneError> {
     let found = files.read_named(path).and_then(|bytes| match content(path, &bytes, &files)? {
         Content::Scene(scene) => Ok(Loaded::from(scene)),
@@ -99,18 +99,18 @@ fn from_named(path: &Path, files: Files) -> Result<Loaded, SceneError> {
     }
 }
 
-/// Whether a file's extension is that of a scene, a view or a model.
+/// Tests whether a file's extension is that of a scene, a view or a model.
 pub fn may_be_scene(path: &Path) -> bool {
     has_extension(path, "json") || model::is_model(path)
 }
 
-/// What a file holds.
+/// The content of a file.
 enum Content<'a> {
     Scene(Scene),
     View(Source<'a>, ViewFile),
 }
 
-/// The content of a file whose bytes were read through `files`.
+/// Parses the content of a file, whose bytes were read through `files`.
 fn content<'a>(path: &'a Path, bytes: &'a [u8], files: &Files) -> Result<Content<'a>, SceneError> {
     if model::is_model(path) {
         return model::scene(bytes, path, files, file_name(path)).map(Content::Scene);
@@ -127,7 +127,7 @@ fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, SceneError> {
         let line = bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count() + 1;
         SceneError::new("the text is not UTF-8")
             .in_file(path)
-            .at(format!("line {line}"))
+            .at_place(format!("line {line}"))
             .mend("save the file as UTF-8")
     })?;
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
@@ -144,7 +144,7 @@ struct Keys {
 }
 
 fn from_json<'a>(source: Source<'a>, files: &Files, name: String) -> Result<Content<'a>, SceneError> {
-    // Serde would read an array's entries as the keys in order of declaration.
+    // Serde would read the entries of an array as the keys in their order of declaration.
     if source.text.trim_start().starts_with('[') {
         return Err(not_a_scene(&source));
     }
@@ -156,7 +156,7 @@ fn from_json<'a>(source: Source<'a>, files: &Files, name: String) -> Result<Cont
     match keys.format {
         Some(format) if format == VIEW_FORMAT => {
             let (file, faults) = read_all(&source)?;
-            SceneError::of_all(faults).map_or(Ok(()), Err)?;
+            SceneError::join(faults).map_or(Ok(()), Err)?;
             Ok(Content::View(source, file))
         }
         Some(_) => validate::scene(&source, files, name).map(Content::Scene),
@@ -174,7 +174,7 @@ fn not_a_scene(source: &Source) -> SceneError {
     ))
 }
 
-/// The scene that a view names at `place`.
+/// Loads the scene that a view names at `place`.
 fn viewed(place: &JsonPath, files: &Files, spec: &str) -> Result<Scene, SceneError> {
     const MEND: &str = "give the path of a scene (.json) or a model (.obj, .gltf, .glb, .ply) relative to the \
                         view, or `builtin:NAME`";
@@ -186,7 +186,7 @@ fn viewed(place: &JsonPath, files: &Files, spec: &str) -> Result<Scene, SceneErr
     if !may_be_scene(&path) {
         return Err(place.error(format!("`{spec}` is not the name of a scene"), MEND));
     }
-    // The scene's files lie beside the scene, not beside the view.
+    // The files of the scene are beside the scene and not beside the view.
     let files = files.beside_other(&path);
     let bytes = files.read(&path).map_err(|reason| {
         let mend = format!("the file searched for is {}: {MEND}", path.display());
@@ -201,13 +201,13 @@ fn viewed(place: &JsonPath, files: &Files, spec: &str) -> Result<Scene, SceneErr
     }
 }
 
-/// The built-in or generated scene of a name without its prefix.
+/// Loads the built-in or generated scene of a name without its prefix.
 fn built_in(name: &str, unrounded: bool) -> Result<Scene, SceneError> {
     if let Some(scene) = procedural::scene(name)? {
         return Ok(scene);
     }
     let spec = format!("{PREFIX}{name}");
-    let files = Files::default().keeping(unrounded);
+    let files = Files::default().with_unrounded(unrounded);
     let text = embedded::scene(name).ok_or_else(|| {
         let guess = builtin_like(name).map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
         let made = procedural::words().map(|word| format!("{word}:N"));
@@ -221,8 +221,8 @@ fn built_in(name: &str, unrounded: bool) -> Result<Scene, SceneError> {
     }
 }
 
-/// The built-in or generated scene whose name is nearest to this one, as the command line takes it; `None` if
-/// none is near.
+/// Returns the argument for the built-in or generated scene whose name is nearest to this one; `None` if none
+/// is near.
 fn builtin_like(name: &str) -> Option<String> {
     let (word, count) = name.split_once(':').unwrap_or((name, ""));
     if let Some(word) = nearest(word, procedural::words()) {

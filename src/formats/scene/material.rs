@@ -1,4 +1,4 @@
-//! Materials and skies of the native format: which keys belong together, and the defaults of missing ones.
+//! Converts materials and skies of the native format: checks which keys belong together, and fills in defaults.
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;
@@ -8,12 +8,11 @@ use super::spelling::did_you_mean;
 use glam::Vec3;
 use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, Sky, TexelKind};
 
-/// Texture sizes below this are refused: a single-precision texture coordinate could not be finite
-/// everywhere.
+/// Least texture size. With a smaller one, texture coordinates could be infinite in single precision.
 const MIN_TEXTURE_SIZE: f64 = MIN_LENGTH;
 
 const TYPES: [&str; 7] = ["diffuse", "metal", "plastic", "metal-rough", "glass", "scatter", "emitter"];
-/// Types that have a roughness.
+/// The types that have a roughness.
 const ROUGH: &[&str] = &["metal", "plastic", "metal-rough", "scatter"];
 /// All types but `emitter`.
 const SCATTERING: &[&str] = &["diffuse", "metal", "plastic", "metal-rough", "glass", "scatter"];
@@ -25,7 +24,7 @@ pub fn material(
     place: &JsonPath,
 ) -> Result<u32, SceneError> {
     check_keys(file, place)?;
-    // A map without `roughness` is the roughness itself: it multiplies 1.
+    // A map without `roughness` multiplies 1, and so is the roughness itself.
     let unstated = if file.roughness_map.is_some() || file.r#type == "metal-rough" { 1.0 } else { 0.0 };
     let stated_roughness = file.roughness.unwrap_or(unstated);
     let roughness = || place.key("roughness").fraction(stated_roughness);
@@ -83,7 +82,7 @@ const NOT_ROUGH: &str = "remove it, or make the type `metal`, `plastic`, `metal-
 const NOT_EMISSION: &str = "make it the `texture`, which multiplies the emission of an emitter";
 const NO_INDEX: &str = "remove it, or make the type `glass`, `plastic` or `metal-rough`";
 
-/// Each key that some types lack, the types that it belongs to, and the remedy for others.
+/// Each key that some types lack, the types that have it, and the remedy for the others.
 const RULES: [(&str, &[&str], &str); 8] = [
     ("roughness", ROUGH, NOT_ROUGH),
     ("roughness_map", ROUGH, NOT_ROUGH),
@@ -95,13 +94,13 @@ const RULES: [(&str, &[&str], &str); 8] = [
     ("color", SCATTERING, "remove it: an emitter scatters nothing; its light is `emission`"),
 ];
 
-/// May a material of this type have the key, if materials have it? Of a type that does not exist, yes.
-pub fn takes(material_type: &str, key: &str) -> bool {
+/// Tests whether materials of this type have a key of materials. A type that does not exist has all.
+pub fn has_key(material_type: &str, key: &str) -> bool {
     !TYPES.contains(&material_type)
         || RULES.iter().all(|(known, types, _)| *known != key || types.contains(&material_type))
 }
 
-/// Is this a key of materials, by any of its names?
+/// Tests whether this is a key of materials, by any of its names.
 pub fn is_key(word: &str) -> bool {
     let keys = ["color", "emission", "roughness", "metallic", "ior", "thin", "texture", "normal_map"];
     keys.contains(&word) || !did_you_mean(word, &keys).is_empty()
@@ -128,7 +127,7 @@ fn check_keys(file: &MaterialFile, place: &JsonPath) -> Result<(), SceneError> {
     let faults = misplaced.map(|(key, _, mend)| {
         place.key(key).error(format!("`{key}` does not belong to a material of type `{name}`"), *mend)
     });
-    if let Some(error) = SceneError::of_all(faults.collect()) {
+    if let Some(error) = SceneError::join(faults.collect()) {
         return Err(error);
     }
     if file.roughness_map.is_some() && file.roughness == Some(0.0) && name != "metal-rough" {
@@ -144,7 +143,7 @@ fn check_keys(file: &MaterialFile, place: &JsonPath) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Refuses a key of a texture where there is none.
+/// Refuses a key of a texture if there is no texture.
 fn needs_texture(key: &str, is_there: bool, place: &JsonPath, why: &str) -> Result<(), SceneError> {
     if is_there {
         let mend = format!("remove it, or add a `texture`{why}");
@@ -153,8 +152,8 @@ fn needs_texture(key: &str, is_there: bool, place: &JsonPath, why: &str) -> Resu
     Ok(())
 }
 
-/// The index of refraction of a material of this type. No coat has one above 3, where the model would gain
-/// energy (`kernel::bsdf::plastic`); the reciprocal of glass's must be finite.
+/// Checks the index of refraction of a material of this type. Above 3, a coat would gain energy in the model
+/// (`kernel::bsdf::plastic`). The reciprocal of glass's must be finite.
 fn ior(place: &JsonPath, material_type: &str, x: f64) -> Result<f32, SceneError> {
     let (range, what, mend) = match material_type {
         "glass" => (
@@ -199,7 +198,7 @@ fn texture(
     })
 }
 
-/// The sky that a file describes.
+/// Converts the sky of a file.
 pub fn sky(builder: &mut SceneBuilder, file: &SkyFile, place: &JsonPath) -> Result<Sky, SceneError> {
     if file.texture.is_none() {
         needs_texture("filter", file.filter.is_some(), place, "")?;

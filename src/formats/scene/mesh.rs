@@ -1,7 +1,7 @@
-//! A mesh of polygons, as OBJ and PLY files hold it, and the way of a model's triangles into the scene.
+//! Adds the triangles of a model to a scene, and holds the meshes of polygons of OBJ and PLY files.
 
 use super::builder::{Attributes, SceneBuilder};
-use super::check::{fits, is_near};
+use super::check::{is_near, is_within_bounds};
 use super::error::SceneError;
 use super::notes::Notes;
 use super::placement::Placement;
@@ -10,32 +10,32 @@ use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::{Material, MaterialKind, TexelKind};
 use std::path::Path;
 
-/// The index of something missing.
+/// The index that stands for a missing entry.
 pub const NONE: u32 = u32::MAX;
 
 /// The content of a model's file, checked by [`Mesh::check`].
 #[derive(Default)]
 pub struct Mesh {
-    /// NaN where the file has no point.
+    /// Positions of vertices; NaN for one that is no point.
     pub positions: Vec<DVec3>,
-    /// Of unit length, or zero where the file has no direction.
+    /// Normals of unit length; zero for one without a direction.
     pub normals: Vec<Vec3>,
-    /// v upwards.
+    /// Texture coordinates, v upwards.
     pub uvs: Vec<Vec2>,
-    /// Of the positions, linear, in [0, 1]; empty if the file has none.
+    /// Linear colours of the positions, in [0, 1]; empty if the file has none.
     pub colors: Vec<Vec3>,
-    /// Where the file begins to have colours.
+    /// The line of the first colour in the file.
     pub colors_line: usize,
     /// The corners of all faces, one face after the other.
     pub corners: Vec<Corner>,
     pub faces: Vec<Face>,
     /// Images of the model's own materials, with the lines that name them.
     pub images: Vec<(String, usize)>,
-    /// What is left out of the file.
+    /// Notes about the file.
     pub notes: Notes,
 }
 
-/// Indices from 0. What its mesh does not hold is missing.
+/// The indices of a face's corner, from 0. An index beyond the mesh's lists is missing.
 #[derive(Clone, Copy)]
 pub struct Corner {
     pub position: u32,
@@ -43,18 +43,19 @@ pub struct Corner {
     pub normal: u32,
 }
 
+/// A polygon.
 pub struct Face {
-    /// Where it ends in the mesh's corners.
+    /// Index after its last corner in the mesh's corners.
     pub end: usize,
     /// Index into the model's own materials.
     pub material: u32,
-    /// As of vertices; NaN where the face has none.
+    /// Linear colour; NaN if the face has none.
     pub color: Vec3,
 }
 
 impl Mesh {
-    /// Leaves out the faces that cannot be shown, with a note; refuses a mesh without any other. `place` is
-    /// that of a face by its number, `base` the index of the first vertex.
+    /// Removes the faces that cannot be shown, with a note, and refuses a mesh without other faces. `place`
+    /// returns the place of a face by its number; `base` is the index of the first vertex in the file.
     pub fn check(
         &mut self,
         path: &Path,
@@ -73,14 +74,15 @@ impl Mesh {
             let length = of_face.len();
             number += 1;
             let mut fault = |left_out: &str, what: String| {
-                let fault = SceneError::new(what).in_file(path).at(place(number - 1)).mend(mend.as_str());
+                let fault =
+                    SceneError::new(what).in_file(path).at_place(place(number - 1)).mend(mend.as_str());
                 notes.add_fault(left_out, fault);
             };
             let mut why = (length < 3).then(|| "a face needs at least three corners".to_string());
             for &Corner { position, uv, normal } in &corners[of_face.clone()] {
                 let index = position as usize + base;
                 match positions.get(position as usize) {
-                    Some(point) if point.to_array().into_iter().all(fits) => {}
+                    Some(point) if point.to_array().into_iter().all(is_within_bounds) => {}
                     Some(_) => why = Some(format!("the face uses vertex {index}, which is no point")),
                     None if position == NONE => why = Some("one of its corners is no vertex".to_string()),
                     None => why = Some(format!("the face uses vertex {index}, but the file has {vertices}")),
@@ -110,17 +112,17 @@ impl Mesh {
         Ok(())
     }
 
-    /// Adds a material of each image to the builder: the index of each, `None` where it cannot be read.
+    /// Adds a material for each image to the builder. Returns their indices; `None` for an unreadable image.
     pub fn add_materials(&self, path: &Path, builder: &mut SceneBuilder) -> Vec<Option<u32>> {
-        let of_image = |image: &(String, usize)| {
+        let material = |image: &(String, usize)| {
             let texture = Some(builder.find_texture(image, path, path, TexelKind::Color)?);
             let material = Material::new(&image.0, MaterialKind::Diffuse, Vec3::ONE);
             Some(builder.add_material(Material { texture, ..material }, 1.0))
         };
-        self.images.iter().map(of_image).collect()
+        self.images.iter().map(material).collect()
     }
 
-    /// Adds the mesh's triangles to the builder, with `material` or else with its `own` materials and
+    /// Adds the mesh's triangles to the builder, with `material` or else with the mesh's `own` materials and
     /// colours.
     pub fn add(
         &self,
@@ -174,21 +176,21 @@ impl Mesh {
         tally.finish(path, builder)
     }
 
-    /// The faces and their corners.
+    /// Returns the faces and their corners.
     fn polygons(&self) -> impl Iterator<Item = (&Face, &[Corner])> {
         let starts = std::iter::once(0).chain(self.faces.iter().map(|face| face.end));
         self.faces.iter().zip(starts).map(|(face, start)| (face, &self.corners[start..face.end]))
     }
 }
 
-/// Part of a polygon's area that a fan may cover twice: what single precision and six digits round.
+/// Share of a polygon's area that a fan may cover twice. Single precision and six digits round by as much.
 const OVERLAP: f64 = 1e-6;
-/// Most corners of a polygon whose ears are cut off: hostile ones take time by the square of their number.
+/// Most corners of a polygon whose ears are cut off, which can take time by the square of their number.
 const MOST_CORNERS: usize = 1 << 14;
 
-/// The triangles of a polygon, as indices of its corners: a fan around its first corner where that covers it,
-/// as it does every convex polygon, else by cutting off ears, seen along its normal. Returns false where the
-/// polygon has too many corners for that.
+/// Cuts a polygon into triangles of indices of its corners: a fan around the first corner if that covers the
+/// polygon, as it does a convex one, or else by cutting off ears, seen along its normal. Returns false for a
+/// polygon with too many corners for that, which stays a fan.
 fn triangulate(
     positions: &[DVec3],
     corners: &[Corner],
@@ -199,7 +201,7 @@ fn triangulate(
     let twice_area = |[a, b, c]: [usize; 3]| (point(b) - point(a)).cross(point(c) - point(a));
     triangles.clear();
     triangles.extend((1..corners.len() - 1).map(|corner| [0, corner, corner + 1]));
-    // Newell's: the sum does not depend on the corner.
+    // Newell's method: the sum does not depend on the first corner.
     let normal: DVec3 = triangles.iter().map(|&triangle| twice_area(triangle)).sum();
     let backwards = triangles.iter().map(|&triangle| -twice_area(triangle).dot(normal).min(0.0));
     if backwards.sum::<f64>() <= OVERLAP * normal.length_squared() {
@@ -219,25 +221,25 @@ fn triangulate(
         triangles.clear();
     }
     for &[a, b, c] in indices.as_chunks::<3>().0 {
-        // The front stays the front.
+        // Each triangle has its front on the front of the polygon.
         triangles.push(if twice_area([a, b, c]).dot(normal) < 0.0 { [a, c, b] } else { [a, b, c] });
     }
     true
 }
 
-/// What three corners have; `None` if one has it not.
+/// Returns the items of three corners; `None` if one is missing.
 fn all<T: Copy>(list: &[T], indices: [u32; 3]) -> Option<[T; 3]> {
     let [a, b, c] = indices.map(|index| list.get(index as usize).copied());
     Some([a?, b?, c?])
 }
 
-/// Why a model cannot be used.
+/// The reason why a placed model cannot be used.
 pub enum Unusable {
     /// One of its files cannot be read.
     Broken(SceneError),
-    /// This point lies beyond the bounds of a scene, where it is placed.
+    /// This point lies beyond the bounds of a scene.
     TooFar(DVec3),
-    /// No triangle has an area in single precision, where it is placed.
+    /// No triangle has an area in single precision.
     NoArea,
 }
 
@@ -247,7 +249,7 @@ impl From<SceneError> for Unusable {
     }
 }
 
-/// Counts a model's triangles as they enter the builder.
+/// The number of a model's triangles with an area, and without.
 #[derive(Default)]
 pub struct Tally {
     with_area: usize,
@@ -255,8 +257,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds a triangle, in the coordinates of the scene. It is flat where one of its normals has no
-    /// direction.
+    /// Adds a triangle in the coordinates of the scene to the builder. It is flat if one of its normals has
+    /// no direction.
     pub fn add(
         &mut self,
         points: [DVec3; 3],
@@ -274,7 +276,7 @@ impl Tally {
         }
         Ok(())
     }
-    /// Warns of triangles without area.
+    /// Warns of triangles without an area, and refuses a model that has no others.
     pub fn finish(self, path: &Path, builder: &mut SceneBuilder) -> Result<(), Unusable> {
         let Self { with_area, without_area } = self;
         if with_area == 0 {

@@ -1,37 +1,14 @@
-//! From scene files to a valid [`Scene`].
+//! Loads scene files, models and views as a valid [`Scene`], and writes views and native files.
+//!
+//! `load` detects the format of a name on the command line. A native file is read in two steps: `native` has
+//! its keys and JSON types, and `validate` converts them to a [`Scene`], or reports each fault with its place
+//! and a remedy. Models (`obj`, `gltf`, `ply`) and the format of the thesis (`thesis`) take shorter ways. All
+//! formats add their materials, textures and primitives to a `builder`.
 //!
 //! The scene model itself is the engine's, re-exported here.
-//!
-//! | file | what it does |
-//! |---|---|
-//! | `load` | from a name on the command line to a [`Scene`]; detects the format |
-//! | `native` | the native JSON as the user wrote it: keys and their JSON types |
-//! | `validate`, `material` | from that to a [`Scene`], or an error that says where and how to mend it |
-//! | `thesis` | the thesis's own JSON |
-//! | `model` | models of any format: reading them, and a scene of one |
-//! | `obj`, `mtl`, `statements` | Wavefront OBJ and MTL, and the lines that both are made of |
-//! | `gltf` | glTF 2.0, as text (.gltf) and binary (.glb) |
-//! | `ply` | PLY, as text and in both binary orders |
-//! | `scalar` | numbers in binary files |
-//! | `notes` | what is left out of a file, each kind once |
-//! | `mesh` | a mesh of polygons; why a model cannot be used |
-//! | `placement` | a model's scale, rotation and translation |
-//! | `procedural` | generated meshes of any size |
-//! | `view` | a view file: another scene, a camera, render options; read and written |
-//! | `camera_path` | cameras between the keyframes of a view |
-//! | `convert` | from a model to a native scene file |
-//! | `write` | numbers, vectors, cameras and paths as the native formats write them |
-//! | `vertex_colors` | colours of vertices as a texture |
-//! | `builder` | collects materials, textures and primitives; fills in defaults |
-//! | `texture`, `radiance`, `colorimetry` | image files decoded to texels; headers of .hdr files; Rec. 709 |
-//! | `files` | reads a scene's other files and records which were requested |
-//! | `embedded` | the built-in scenes by name; their files inside the program |
-//! | `check`, `spelling` | bounds of numbers; suggestions for misspelt names |
-//! | `json` | reading JSON; the line and column of a JSON path |
-//! | `faults` | all faults of a native text at once |
-//! | [`error`] | why a scene was refused |
 
 mod builder;
+mod camera;
 mod camera_path;
 mod check;
 mod colorimetry;

@@ -1,4 +1,4 @@
-//! Models of any format: OBJ, glTF and PLY.
+//! Reads models of any format, and makes a scene of one.
 
 use super::builder::{DEFAULT_RESOLUTION, SceneBuilder};
 use super::error::SceneError;
@@ -15,7 +15,7 @@ use std::path::Path;
 /// The extensions of the formats that are read.
 pub const EXTENSIONS: [&str; 4] = ["obj", "gltf", "glb", "ply"];
 
-/// Whether a file's extension is that of a model.
+/// Tests whether a file's extension is that of a model.
 pub fn is_model(path: &Path) -> bool {
     EXTENSIONS.iter().any(|known| has_extension(path, known))
 }
@@ -49,7 +49,7 @@ impl Model {
     ) -> Result<(), Unusable> {
         let (mesh, own) = match self {
             Self::Gltf(gltf) => {
-                // As its standard demands.
+                // The standard of glTF demands this.
                 builder.textures.ignores_profiles = true;
                 let added = gltf.add(path, builder, material, placement);
                 builder.textures.ignores_profiles = false;
@@ -63,15 +63,15 @@ impl Model {
     }
 }
 
-/// The sky over a model that is loaded as a scene: white above and nearly black below, so that surfaces
-/// facing up, sideways and down differ. Under a sky of one colour a diffuse shape shows only its creases.
+/// The sky over a model that is loaded as a scene. Surfaces facing up, sideways and down differ under it;
+/// under a sky of one colour, a diffuse shape would show only its creases.
 const SKY: Sky = Sky::Gradient { bottom: Vec3::splat(0.05), top: Vec3::ONE };
 
-/// The scattering events on a path in a model that is loaded as a scene: light passes both sides of two panes
-/// and comes back.
+/// Most scattering events on a path in a model that is loaded as a scene. Light can pass both sides of two
+/// panes and come back.
 const BOUNCES: u32 = 8;
 
-/// A model as a scene, under a plain sky: seen by its own camera, or framed automatically.
+/// Makes a scene of a model under a plain sky, seen by the model's camera, or framed automatically.
 pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<Scene, SceneError> {
     let fault = |what: String, mend: &str| SceneError::new(what).in_file(path).mend(mend);
     let mut builder = SceneBuilder::new(files);

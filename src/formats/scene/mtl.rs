@@ -1,7 +1,7 @@
-//! Wavefront MTL: the materials that an OBJ file names.
+//! Reads Wavefront MTL: the materials that an OBJ file names.
 //!
-//! `scenes/README.md` says which statements make which material. What is not read or cannot be read gives one
-//! warning for each kind and library, at its first line.
+//! `scenes/README.md` has the table of statements and materials. Statements that are not read or cannot be
+//! read give one warning for each kind and library, at the first line.
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;
@@ -12,8 +12,8 @@ use octray_engine::scene::{MIN_LENGTH, Material, MaterialKind, TexelKind};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// Loads the libraries that an OBJ file at `obj` names, on these lines, into the builder; returns each
-/// material's index. A missing library or texture is a warning: the model's shape is visible without it.
+/// Loads the libraries that an OBJ file at `obj` names, on these lines, into the builder. Returns each
+/// material's index. A missing library or texture is a warning, as the model's shape is visible without it.
 pub fn load(libraries: &[(String, usize)], obj: &Path, builder: &mut SceneBuilder) -> HashMap<String, u32> {
     let files = builder.files().clone();
     let read = |name: &str| {
@@ -21,7 +21,7 @@ pub fn load(libraries: &[(String, usize)], obj: &Path, builder: &mut SceneBuilde
     };
     let (mut numbers, mut without_comments) = (HashMap::new(), Vec::new());
     let mut seen = HashSet::new();
-    // Each once, however often the model names it.
+    // Each library is read once, however often the model names it.
     for (library, line) in libraries.iter().filter(|(library, _)| seen.insert(library)) {
         // One statement may name several libraries, or one whose name holds spaces.
         let words: Vec<&str> = library.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
@@ -56,15 +56,16 @@ pub fn load(libraries: &[(String, usize)], obj: &Path, builder: &mut SceneBuilde
     numbers
 }
 
-/// What is read of a statement.
+/// The kinds of values of statements.
 enum Reads {
     /// A colour: one number for a grey, or three.
     Color,
     Number,
     /// An image file.
     Map,
-    /// Nothing. A warning unless the number is 0.
+    /// A number that is not read, with a warning unless it is 0.
     Layer,
+    /// A value that is not read.
     Nothing,
 }
 
@@ -79,10 +80,10 @@ const STATEMENTS: [(Reads, &[&str]); 5] = [
 
 /// Default index of refraction: window glass.
 const IOR: f64 = 1.5;
-/// A refractive material with an opacity below this is glass, and not a leaf or a curtain.
+/// Opacity below which a refractive material is glass, and not a leaf or a curtain.
 const CLEAR: f64 = 0.5;
 
-/// A material: what its statements say, by their keywords, with the line of each.
+/// A material: the values of its statements by their keywords, with the line of each.
 #[derive(Default)]
 struct Entry {
     name: String,
@@ -132,7 +133,7 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Vec<Entry> {
 
 fn number(statement: &Statement, notes: &mut Notes) -> Result<f64, SceneError> {
     let mut words = statement.words().peekable();
-    // The base opacity follows.
+    // The base opacity follows the option.
     if words.next_if(|word| word == b"-halo").is_some() {
         notes.add(&statement.line, "the option `-halo` of `d` is not read");
     }
@@ -151,12 +152,12 @@ fn color(statement: &Statement) -> Result<DVec3, SceneError> {
     Ok(color)
 }
 
-/// Options of `map_` statements, and after each as many values as it takes, which ask for nothing.
+/// The options of `map_` statements, each followed by the values that have no effect.
 const MAP_OPTIONS: &str = "-blendu on -blendv on -bm 1 -boost 0 -cc off -clamp off -imfchan rgb -mm 0 1 -o 0 0 0 \
                            -s 1 1 1 -t 0 0 0 -texres _ -type _ -colorspace _";
 
-/// The file name of a `map_` statement, after options such as `-s 1 1 1` and `-clamp on`, which are noted
-/// unless they ask for nothing. The name may hold spaces.
+/// Returns the file name of a `map_` statement, which may hold spaces. Options such as `-s 2 2 1` and `-clamp
+/// on` come before it, and are noted unless they have no effect.
 fn image_file(statement: &Statement, notes: &mut Notes) -> Result<String, SceneError> {
     let nothing = || statement.fault("there is no file name", "write the path of an image");
     let rest = statement.name();
@@ -172,7 +173,7 @@ fn image_file(statement: &Statement, notes: &mut Notes) -> Result<String, SceneE
         let mut asks = false;
         for (value, idle) in idle.into_iter().enumerate() {
             let (word, after) = rest.split_once(char::is_whitespace).ok_or_else(nothing)?;
-            // Only the first value is required; further ones are numbers.
+            // Only the first value is required. Further ones are numbers.
             let number = word.parse::<f64>();
             if value > 0 && number.is_err() {
                 break;
@@ -195,12 +196,12 @@ impl Entry {
     fn color(&self, keyword: &str) -> Option<DVec3> {
         self.colors.get(keyword).map(|&(color, _)| color)
     }
-    /// 1 is opaque, with the line that says so; `None` where neither `d` nor `Tr` does.
+    /// Returns the opacity, of which 1 is opaque, and its line; `None` without `d` and `Tr`.
     fn opacity(&self) -> Option<(f64, usize)> {
         let transparency = self.numbers.get("Tr").filter(|&&(x, _)| x != 1.0);
         self.numbers.get("d").copied().or(transparency.map(|&(x, line)| (1.0 - x, line)))
     }
-    /// Whether it is stated to let light through, after `illum 4` or `illum 9`.
+    /// Tests whether the material, with `illum 4` or `illum 9`, is stated to let light through.
     fn is_clear(&self) -> bool {
         match (self.number("d"), self.number("Tr")) {
             (Some(opacity), _) => opacity < 1.0,
@@ -208,7 +209,7 @@ impl Entry {
             (None, None) => self.color("Tf").is_some_and(|filter| filter != DVec3::ONE),
         }
     }
-    /// By the table of `scenes/README.md`.
+    /// Returns the kind of the material, by the table of `scenes/README.md`.
     fn kind(&self) -> MaterialKind {
         let opacity = self.opacity().map(|(opacity, _)| opacity);
         let ior = self.number("Ni");
@@ -223,8 +224,8 @@ impl Entry {
             MaterialKind::Glass { ior: ior as f32 }
         };
         let plastic = || {
-            // alpha is roughness squared; of a highlight with an exponent, √(2 / (exponent + 2)): Walter et
-            // al., "Microfacet Models for Refraction through Rough Surfaces", 2007, §5.
+            // Alpha is roughness squared. For a highlight with an exponent it is √(2 / (exponent + 2)):
+            // Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, §5.
             let roughness = roughness.unwrap_or((2.0 / (exponent + 2.0)).sqrt().sqrt());
             let ior = ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR);
             MaterialKind::Plastic { roughness: roughness as f32, ior: ior as f32 }
@@ -241,7 +242,7 @@ impl Entry {
         }
     }
 
-    /// Notes statements about the material's kind that cannot be followed.
+    /// Notes the statements that the material's kind cannot express.
     fn note_ignored(&self, notes: &mut Notes) {
         let (illumination, opacity) = (self.numbers.get("illum").copied(), self.opacity());
         let mut note = |line: usize, what: &str| notes.add(&line, what.to_string());

@@ -1,19 +1,19 @@
-//! The native scene file as the user wrote it: keys and JSON types, without validation.
+//! Defines the keys and JSON types of the native scene file, without validation.
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::HashSet;
 use std::fmt;
 
-/// The value of `format` that this program reads.
+/// The value of `format` in a scene.
 pub const FORMAT: &str = "octray-1";
 /// The value of `format` in a view.
 pub const VIEW_FORMAT: &str = "octray-view-1";
 
-/// A material, as messages show it.
+/// An example of a material, for messages.
 pub const MATERIAL: &str = "{ \"type\": \"diffuse\", \"color\": [0.8, 0.1, 0.1] }";
 
-/// A value of a key, as messages show it; of those whose form a message from serde would not explain.
+/// Returns an example of a key's value, for messages; `None` if a message of serde explains it better.
 pub fn example(key: &str) -> Option<&'static str> {
     Some(match key {
         "camera" => "{ \"position\": [0, 1, 5], \"look_at\": [0, 1, 0] }",
@@ -83,16 +83,16 @@ pub struct CameraFile {
     pub vertical_fov: Option<f64>,
 }
 
-/// Of a view.
+/// A keyframe of a view.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeyframeFile {
     pub frame: u32,
-    /// What it leaves out is as in the view.
+    /// Missing keys are those of the view's camera.
     pub camera: CameraFile,
 }
 
-/// `color`, or `gradient`, or `texture` (which `color` then multiplies).
+/// A sky: `color`, `gradient`, or `texture`, which `color` multiplies.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SkyFile {
@@ -118,7 +118,7 @@ pub enum FilterFile {
     Trilinear,
 }
 
-/// The keys of all types; `material` checks which belong to `type`.
+/// A material with the keys of all types. `material` checks which of them belong to `type`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialFile {
@@ -145,7 +145,7 @@ pub struct SphereFile {
     pub radius: f64,
     pub material: Option<String>,
     pub turn_degrees: Option<f64>,
-    /// Missing: outside.
+    /// The side from which the texture is not mirrored. Missing: outside.
     pub picture_from: Option<SideFile>,
 }
 
@@ -161,7 +161,7 @@ pub enum SideFile {
 pub struct TriangleFile {
     pub vertices: [[f64; 3]; 3],
     pub uvs: Option<[[f64; 2]; 3]>,
-    /// Missing: flat.
+    /// Missing: the triangle is flat.
     pub normals: Option<[[f64; 3]; 3]>,
     /// Reflectances that multiply the material's colour.
     pub colors: Option<[[f64; 3]; 3]>,
@@ -173,7 +173,7 @@ pub struct TriangleFile {
 pub struct MeshFile {
     /// The path of a model of any format.
     pub model: Option<String>,
-    /// The same; the name from when OBJ was the only format.
+    /// An older name of `model`, from when OBJ was the only format.
     pub obj: Option<String>,
     /// Missing: the model's own materials.
     pub material: Option<String>,
@@ -183,7 +183,7 @@ pub struct MeshFile {
     pub scale: Option<f64>,
 }
 
-/// Materials by their names, in file order; a name that occurs twice is refused.
+/// Materials and their names, in file order. A name that occurs twice is refused.
 #[derive(Default)]
 pub struct Materials(pub Vec<(String, MaterialFile)>);
 

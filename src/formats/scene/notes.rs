@@ -1,22 +1,25 @@
-//! What is left out of a file: each kind once, with its first place and the number of places.
+//! Collects notes about the parts of a file that are left out: one for each kind, with its first place and
+//! the number of places.
 
 use super::error::{MAX_FAULTS, SceneError};
 use std::fmt::Display;
 use std::path::Path;
 
-/// Most kinds that are told apart: a search of all of them stays fast, and nobody reads more.
+/// Most kinds of notes, so that a search of all of them stays fast.
 const MOST: usize = 100;
 
-/// What is left out of a file.
+/// Notes about the parts of a file that are left out.
 #[derive(Default)]
 pub struct Notes {
-    /// What tells it from others, what it is, the first place and the number of places.
+    /// The key of each kind, its text, the first place and the number of places.
     kinds: Vec<(String, String, String, usize)>,
+    /// Number of notes of further kinds.
     others: usize,
     faults: Vec<SceneError>,
 }
 
 impl Notes {
+    /// Adds a note about a place.
     pub fn add(&mut self, place: &impl Display, what: impl Into<String>) {
         let what = what.into();
         self.add_kind(&what, place, || what.clone());
@@ -30,7 +33,7 @@ impl Notes {
             None => self.others += 1,
         }
     }
-    /// Notes that a fault leaves this out, such as a statement.
+    /// Notes that a part of the file, such as a statement, is left out because of a fault.
     pub fn add_fault(&mut self, left_out: &str, fault: SceneError) {
         let at = fault.at.as_deref().unwrap_or_default();
         let place = at.strip_prefix("line ").map_or_else(|| format!(" {at}"), str::to_string);
@@ -39,11 +42,11 @@ impl Notes {
             self.faults.push(fault);
         }
     }
-    /// The faults as one error, of a file in which they leave nothing; `otherwise` without faults.
+    /// Returns the faults as one error, for a file of which nothing is left; `otherwise` without faults.
     pub fn refusal(self, otherwise: SceneError) -> SceneError {
-        SceneError::of_all(self.faults).unwrap_or(otherwise)
+        SceneError::join(self.faults).unwrap_or(otherwise)
     }
-    /// `separator` stands between the file's name and the place.
+    /// Returns the notes as warnings, with `separator` between the file's name and the place.
     pub fn warnings(&self, path: &Path, separator: &str) -> impl Iterator<Item = String> {
         let path = path.display();
         let others =

@@ -1,7 +1,7 @@
-//! Wavefront OBJ: from text to a mesh and the names of its materials.
+//! Reads Wavefront OBJ: a mesh and the names of its materials.
 //!
 //! No library is used, so that every fault has its line, no file can cause a panic, and a corner without
-//! texture coordinates never gets another corner's.
+//! texture coordinates does not get those of another corner.
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;
@@ -25,12 +25,13 @@ pub struct Obj {
 }
 
 impl Obj {
-    /// Reads an OBJ text. Statements that are broken or not read are left out with a note. Comments and names
-    /// may hold bytes that are not UTF-8.
+    /// Reads an OBJ text. Broken and unknown statements are left out with a note. Comments and names may hold
+    /// bytes that are not UTF-8.
     pub fn parse(text: &[u8], path: &Path) -> Result<Self, SceneError> {
         let Self { mut mesh, mut libraries, mut materials } = Self::default();
-        // The material in use, the index of each name, the line of the smoothing group, those of faces.
+        // The material in use, and the index of each name.
         let (mut material, mut known) = (NONE, HashMap::new());
+        // The line of the smoothing group in use, and those of all faces.
         let (mut smoothing, mut lines) = (None, Vec::new());
         for statement in statements(text, path) {
             let line = statement.line;
@@ -67,7 +68,7 @@ impl Obj {
                     smoothing = (!statement.is_off()).then_some(line);
                     Ok(())
                 }
-                // Names of parts.
+                // Names of parts have no effect.
                 b"o" | b"g" => Ok(()),
                 _ if statement.is_off() => Ok(()),
                 _ => {
@@ -82,7 +83,7 @@ impl Obj {
         Ok(Self { mesh, libraries, materials })
     }
 
-    /// Adds the model's own materials to the builder: the index of each, `None` where it is not defined.
+    /// Adds the model's own materials to the builder. Returns their indices; `None` for an undefined one.
     pub fn add_materials(&self, path: &Path, builder: &mut SceneBuilder) -> Vec<Option<u32>> {
         let defined = mtl::load(&self.libraries, path, builder);
         let own = self.materials.iter().map(|(name, line)| {
@@ -97,7 +98,7 @@ impl Obj {
     }
 }
 
-/// Appends what was read, or else `broken`: the entries after it keep their numbers.
+/// Appends an item, or `broken` in the place of a faulty one, so that the next ones keep their numbers.
 fn keep<T>(list: &mut Vec<T>, read: Result<T, SceneError>, broken: T) -> Result<(), SceneError> {
     let (item, result) = read.map_or_else(|fault| (broken, Err(fault)), |item| (item, Ok(())));
     list.push(item);
@@ -133,7 +134,7 @@ fn push_vertex(mesh: &mut Mesh, statement: &Statement) -> Result<(), SceneError>
         },
         _ => {}
     }
-    // A weight or an opacity of 1 asks for nothing.
+    // A weight or an opacity of 1 has no effect.
     let last = further[further.len() - 1];
     if further.len() != 3 && !statement.number(last).is_ok_and(|number| number == 1.0) {
         mesh.notes.add(&statement.line, "the weight or opacity of `v` is not read");
@@ -141,7 +142,7 @@ fn push_vertex(mesh: &mut Mesh, statement: &Statement) -> Result<(), SceneError>
     Ok(())
 }
 
-/// From display values, of 1 or of 255, to linear ones. Vertices without a colour are white.
+/// Makes the vertices' colours linear, from display values up to 1 or to 255. Vertices without one are white.
 fn finish_colors(mesh: &mut Mesh) {
     if mesh.colors.is_empty() {
         return;
@@ -154,7 +155,7 @@ fn finish_colors(mesh: &mut Mesh) {
     }
 }
 
-/// Returns whether one of the corners has no normal.
+/// Adds a face. Returns whether one of its corners has no normal.
 fn push_face(mesh: &mut Mesh, statement: &Statement, material: u32) -> Result<bool, SceneError> {
     let counts = [mesh.positions.len(), mesh.uvs.len(), mesh.normals.len()];
     let (start, mut is_flat) = (mesh.corners.len(), false);
@@ -190,7 +191,7 @@ fn corner(statement: &Statement, word: &[u8], counts: [usize; 3]) -> Result<Corn
     if position == NONE { Err(no_corner(word)) } else { Ok(Corner { position, uv, normal }) }
 }
 
-/// Converts an OBJ index to one from 0. Positive ones count from 1; negative ones count back from the last of
+/// Converts an OBJ index to one from 0. Positive ones count from 1, negative ones back from the last of
 /// `count` entries.
 fn index(number: i64, count: usize) -> Option<u32> {
     let from_zero = if number < 0 { number.saturating_add(count as i64) } else { number - 1 };

@@ -1,9 +1,9 @@
-//! How a model is placed: scaled, rotated, translated.
+//! Places a model: scales, rotates and translates it.
 
 use glam::{DMat3, DVec3};
 use octray_engine::math::portable;
 
-/// A mesh's transformation: scaled, then rotated, then translated.
+/// A model's placement: scaled, then rotated, then translated.
 pub struct Placement {
     pub rotation: DMat3,
     pub scale: f64,
@@ -11,14 +11,14 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// The model's own coordinates.
+    /// The placement of a model in its own coordinates.
     pub const IDENTITY: Self = Self { rotation: DMat3::IDENTITY, scale: 1.0, translate: DVec3::ZERO };
 
-    /// Rotates about the x axis, then the y axis, then the z axis, in degrees; counterclockwise seen from the
-    /// axis' tip.
+    /// Makes a placement that rotates about the x, then the y, then the z axis, in degrees, counterclockwise
+    /// as seen from the tip of the axis.
     pub fn new(scale: f64, [x, y, z]: [f64; 3], translate: DVec3) -> Self {
         let sin_cos = |degrees: f64| {
-            // Right angles are exact: a mesh rotated by 90° keeps its flat faces flat.
+            // Right angles are exact, so that a mesh rotated by 90° keeps its flat faces flat.
             match degrees.rem_euclid(360.0) {
                 0.0 => (0.0, 1.0),
                 90.0 => (1.0, 0.0),

@@ -1,4 +1,4 @@
-//! Generated meshes of any size, to measure how cost grows with the number of triangles.
+//! Generates meshes of any size, to measure how cost grows with the number of triangles.
 //!
 //! `terrain:N` is a height field with lakes, `knot:N` a closed tube tied in a trefoil. N is the approximate
 //! number of triangles (a knot has at least 18). The shape does not depend on N, only its tessellation does.
@@ -15,18 +15,18 @@ use std::f64::consts::TAU;
 const FEWEST: usize = 2;
 const MOST: usize = 4_000_000;
 
-/// Adds about so many pairs of triangles.
+/// A function that adds about so many pairs of triangles.
 type Add = fn(&mut SceneBuilder, usize) -> (Camera, Sky);
 
 const SHAPES: [(&str, Add); 2] = [("terrain", terrain), ("knot", knot)];
 
-/// The names that take a number, as they follow `builtin:`.
+/// Returns the names of shapes, as they follow `builtin:` and precede a number.
 pub fn words() -> impl Iterator<Item = &'static str> {
     SHAPES.iter().map(|&(word, _)| word)
 }
 
-/// The scene of the shape that a name asks for: `None` if the name is not a shape's, an error if its number
-/// is missing or out of range.
+/// Makes the scene of a shape. Returns `None` if the name is not a shape's, and an error if its number is
+/// missing or out of range.
 pub fn scene(name: &str) -> Result<Option<Scene>, SceneError> {
     let (word, count) = name.split_once(':').unwrap_or((name, ""));
     let Some(&(word, add)) = SHAPES.iter().find(|(known, _)| *known == word) else { return Ok(None) };
@@ -46,7 +46,7 @@ pub fn scene(name: &str) -> Result<Option<Scene>, SceneError> {
     builder.finish(name, camera, DEFAULT_RESOLUTION, DEFAULT_BOUNCES, sky).map(Some)
 }
 
-/// The whole number nearest to a quotient.
+/// Returns the whole number nearest to a quotient.
 fn rounded_quotient(over: usize, under: usize) -> usize {
     (over + under / 2) / under
 }
@@ -116,8 +116,8 @@ fn terrain(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
     (camera, Sky::Gradient { bottom: Vec3::new(1.15, 0.95, 0.8), top: Vec3::new(0.35, 0.6, 1.1) })
 }
 
-/// Height of the ground in scene units: a ridged multifractal. Only sums and products, so every machine gives
-/// the same bits.
+/// Returns the height of the ground in scene units: a ridged multifractal of sums and products alone, so that
+/// every machine gives the same bits.
 ///
 /// Source: Musgrave, in Ebert et al., Texturing and Modeling, 3ed ch. 16.
 fn height(x: f64, z: f64) -> f64 {
@@ -126,14 +126,14 @@ fn height(x: f64, z: f64) -> f64 {
         let ridge = 1.0 - noise(x * scale, z * scale, octave).abs();
         let signal = ridge * ridge * weight;
         sum += signal * portable::powi(0.55, octave);
-        // Low signals damp the next octave: valleys stay smooth.
+        // Low signals damp the next octave, so that valleys stay smooth.
         weight = (1.6 * signal).min(1.0);
         scale *= 2.03;
     }
     1.35 * sum - 0.75
 }
 
-/// Value noise in [−1, 1]: random numbers at whole coordinates, interpolated by a polynomial with two
+/// Returns value noise in [−1, 1]: random numbers at whole coordinates, interpolated by a polynomial with two
 /// continuous derivatives.
 fn noise(x: f64, z: f64, octave: u32) -> f64 {
     let (left, near) = (x.floor(), z.floor());
@@ -147,8 +147,8 @@ fn noise(x: f64, z: f64, octave: u32) -> f64 {
     blend(blend(value(0, 0), value(1, 0), u), blend(value(0, 1), value(1, 1), u), v)
 }
 
-/// Integer hash. Source: C. Wellons, "Prospecting for hash functions", 2018. Independent of the renderer's
-/// sampling hash.
+/// Hashes an integer, independently of the renderer's sampling hash. Source: C. Wellons, "Prospecting for hash
+/// functions", 2018.
 fn mix(mut x: u32) -> u32 {
     x = (x ^ (x >> 15)).wrapping_mul(0x2c1b_3c6d);
     x = (x ^ (x >> 12)).wrapping_mul(0x297a_2d39);
@@ -166,7 +166,7 @@ fn knot(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
     let copper = MaterialKind::Metal { roughness: 0.35 };
     let copper = builder.add_material(Material::new("copper", copper, Vec3::new(0.9, 0.45, 0.24)), 1.0);
     let [around_axis, around_ring] = WINDINGS;
-    // Quads are about square.
+    // Makes quads about square.
     let length = TAU * portable::hypot(around_axis * RING, around_ring * TORUS);
     let around = ((cells as f64 * TAU * TUBE / length).sqrt().round() as usize).max(3);
     let along = rounded_quotient(cells, around).max(3);
@@ -185,7 +185,7 @@ fn knot(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
     (camera, Sky::Gradient { bottom: Vec3::new(0.05, 0.06, 0.09), top: Vec3::new(1.2, 1.25, 1.35) })
 }
 
-/// The point at an angle `s` along the knot and `t` around the tube. Ribs wind along the tube.
+/// Returns the point at an angle `s` along the knot and `t` around the tube, along which ribs wind.
 fn on_tube(s: f64, t: f64) -> DVec3 {
     let [around_axis, around_ring] = WINDINGS;
     let ((sin_axis, cos_axis), (sin_ring, cos_ring)) =

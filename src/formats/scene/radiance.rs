@@ -1,6 +1,6 @@
-//! Radiance pictures (.hdr, .pic): what their header says.
+//! Reads the headers of Radiance pictures (.hdr, .pic).
 //!
-//! The `image` crate decodes the pixels, but knows one orientation and refuses XYZE.
+//! The `image` crate decodes the pixels, but knows only one orientation and refuses XYZE.
 //!
 //! Source: G. Ward, "Radiance File Formats", 2024, section 4.
 
@@ -8,20 +8,20 @@ use super::colorimetry::{to_rec709, xyz_to_rec709};
 use glam::DMat3;
 use image::DynamicImage;
 
-/// A file of scan lines from the top, each from the left, and what its own header says of them.
+/// A file whose header states scan lines from the top, each from the left, and the content of its own header.
 pub struct Radiance {
-    /// The file with another header.
+    /// The file with the replaced header.
     pub file: Vec<u8>,
-    /// To linear Rec. 709.
+    /// The matrix to linear Rec. 709.
     pub matrix: DMat3,
-    /// What is left out, as clauses.
+    /// One clause for everything that is left out.
     pub left_out: Vec<String>,
-    /// The directions of scan lines one after the other and of the pixels in one, as `-Y +X`.
+    /// The direction from scan line to scan line, and that from pixel to pixel, as in `-Y +X`.
     axes: String,
 }
 
 impl Radiance {
-    /// Reads the header of a file that begins with `#?`: the first line may name any program.
+    /// Reads the header of a file that begins with `#?`. The first line may name any program.
     pub fn new(bytes: &[u8]) -> Result<Self, String> {
         let (mut rest, mut is_xyz, mut matrix, mut left_out) = (bytes, false, DMat3::IDENTITY, Vec::new());
         let mut line = || -> Result<String, String> {
@@ -69,7 +69,7 @@ impl Radiance {
         Ok(Self { file: [header.as_bytes(), rest].concat(), matrix, left_out, axes })
     }
 
-    /// The decoded picture as it is seen.
+    /// Turns the decoded picture upright.
     pub fn turn(&self, picture: DynamicImage) -> DynamicImage {
         let picture = if self.axes.ends_with('Y') { picture.rotate90().fliph() } else { picture };
         let picture = if self.axes.contains("-X") { picture.fliph() } else { picture };

@@ -1,10 +1,10 @@
-//! Numbers in binary files.
+//! Reads numbers in binary files.
 
 /// The type of a number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Scalar {
     pub kind: Kind,
-    /// At most 8.
+    /// Its size, at most 8.
     pub bytes: usize,
 }
 
@@ -17,7 +17,7 @@ pub enum Kind {
 }
 
 impl Scalar {
-    /// The number in as many bytes as it has, the lowest first.
+    /// Returns the number in these bytes, the lowest first.
     #[inline]
     pub fn read(self, bytes: &[u8]) -> f64 {
         let mut raw = [0; 8];
@@ -31,7 +31,7 @@ impl Scalar {
             Kind::Real => f64::from_bits(bits),
         }
     }
-    /// The largest whole number of at most 4 bytes; 1 for real ones, which need no scale.
+    /// Returns the largest whole number of this type, of at most 4 bytes; 1 for real ones, which need no scale.
     pub fn largest(self) -> f64 {
         match self.kind {
             Kind::Signed => ((1_u64 << (8 * self.bytes - 1)) - 1) as f64,

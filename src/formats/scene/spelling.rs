@@ -1,11 +1,11 @@
-//! Suggestions for misspelt names.
+//! Suggests names for misspelt ones.
 
-/// Longest name that is compared, in bytes: the time grows with the product of two lengths.
+/// Longest name that is compared, in bytes, because the time grows with the product of two lengths.
 const LONGEST: usize = 200;
 
-/// The known name nearest to a misspelt one, if any is within a third of its length; else the one known name
-/// that a word of two letters or more abbreviates: that begins with it (`rough`), holds it (`fov`), or begins
-/// what is written (`roughness_of_metal`).
+/// Returns the known name nearest to a misspelt one, if its distance is at most a third of the length. Else
+/// returns the only known name that begins with this one (`rough`), holds it (`fov`), or begins it
+/// (`roughness_of_metal`), unless this one is a single letter.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if name.len() > LONGEST {
         return None;
@@ -18,7 +18,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     near.map(|(_, known)| known).or_else(|| abbreviated(&name, &known))
 }
 
-/// The name that a word in small letters abbreviates, if it is the only one.
+/// Returns the name that a word in lower case abbreviates, if it is the only one.
 fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     if name.chars().count() < 2 {
         return None;
@@ -34,9 +34,8 @@ fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     })
 }
 
-/// What keys and types of materials are called in *Ray Tracing in One Weekend*, Mitsuba, pbrt, Blender and
-/// glTF, in small letters without signs between them. The first of our names that is known where the word
-/// stands is meant.
+/// Names of keys and of types of materials in *Ray Tracing in One Weekend*, Mitsuba, pbrt, Blender and glTF,
+/// as [`plain`] writes them, and our names for them. The first of ours that is known at a place is suggested.
 const SYNONYMS: [(&str, &[&str]); 28] = [
     ("position location translation translate origin from pos", &["position", "center", "translate"]),
     ("toworld transform matrix", &["translate", "center", "position"]),
@@ -71,7 +70,7 @@ const SYNONYMS: [(&str, &[&str]); 28] = [
     ("principled principledbsdf disney pbr metallicroughness", &["metal-rough"]),
 ];
 
-/// What octray has in place of other programs' keys, or of its own names that stand elsewhere.
+/// Other programs' keys, and what octray has in their place.
 const INSTEAD: [(&str, &str); 8] = [
     ("lights lamps ambient", "materials with `emission` are the lights, and `sky`"),
     ("world", "`spheres`, `triangles` and `meshes` hold the objects, `sky` is the light around them"),
@@ -91,34 +90,35 @@ const INSTEAD: [(&str, &str); 8] = [
     ("samples", "give samples as an option: octray render --samples N"),
     ("seed exposure tone threads sampler integrator", "that is an option: see octray render --help"),
 ];
-/// Keys that other programs write elsewhere, and where they stand.
+/// Keys that other programs have at other places, and their place here.
 const PLACES: [(&[&str], &str); 2] = [
     (&["resolution", "max_bounces", "sky", "materials", "spheres", "triangles", "meshes"], "of the scene"),
     (&["position", "look_at", "up", "vertical_fov"], "of `camera`"),
 ];
 
-/// In small letters without signs between them.
+/// Returns a name in lower case without signs.
 fn plain(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase()
 }
 
-/// Our names for another program's word.
+/// Returns our names for another program's word.
 fn meant_by<'a>(name: &str) -> impl Iterator<Item = &'a str> + use<'a> {
     let name = plain(name);
     let meant = SYNONYMS.iter().filter(move |(words, _)| words.split(' ').any(|word| word == name));
     meant.flat_map(|(_, ours)| *ours).copied()
 }
 
-/// The beginning of a remedy: the known name that may be meant, by another program's word or by its spelling;
-/// empty if there is none.
+/// Returns the beginning of a remedy: a question about the known name that may be meant, by another program's
+/// word or by its spelling; empty if there is none.
 pub fn did_you_mean(name: &str, known: &[&str]) -> String {
     let meant = meant_by(name).find(|ours| known.contains(ours));
     let meant = meant.or_else(|| nearest(name, known.iter().copied()));
     meant.map(|meant| format!("did you mean `{meant}`? ")).unwrap_or_default()
 }
 
-/// The same where no known name is meant: what octray has instead, or the place of the key; empty if unknown.
-pub fn instead(name: &str) -> String {
+/// Returns the beginning of a remedy if no known name is meant: what octray has instead, or the place of the
+/// key; empty if neither is known.
+pub fn advice(name: &str) -> String {
     let plain = plain(name);
     let meant: Vec<&str> = meant_by(name).chain([name, &plain]).collect();
     let said = INSTEAD.iter().find(|(words, _)| words.split(' ').any(|word| meant.contains(&word)));
@@ -130,23 +130,4 @@ pub fn instead(name: &str) -> String {
         Some(format!("did you mean `{ours}` {place}? "))
     };
     PLACES.iter().find_map(place).unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn nearest_finds_what_a_word_abbreviates_unless_it_could_be_two() {
-        let known = ["roughness", "vertical_fov", "texture", "texture_size", "translate"];
-        for (name, wanted) in [
-            ("rough", "roughness"),
-            ("FOV", "vertical_fov"),
-            ("roughness_of_metal", "roughness"),
-            ("trans", "translate"),
-        ] {
-            assert_eq!(nearest(name, known), Some(wanted), "{name}");
-        }
-        assert_eq!([nearest("te", known), nearest("t", known), nearest("size_of", known)], [None; 3]);
-    }
 }

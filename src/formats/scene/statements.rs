@@ -1,12 +1,12 @@
-//! The lines of Wavefront files: statements of a keyword, words and numbers.
+//! Splits Wavefront files into statements of a keyword, words and numbers.
 
-use super::check::{WITHIN_BOUNDS, fits};
+use super::check::{WITHIN_BOUNDS, is_within_bounds};
 use super::error::SceneError;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// A line that is not empty, and those that a backslash at its end joins to it. A `#` begins a comment, which
-/// ends with its line; names may hold one, see [`without_comment`].
+/// A statement: a line that is not empty, and the lines that a backslash at its end joins to it. A `#` begins
+/// a comment, which ends with its line. Names may hold a `#`: see [`without_comment`].
 pub struct Statement<'a> {
     path: &'a Path,
     /// The number of its first line, from 1.
@@ -14,7 +14,7 @@ pub struct Statement<'a> {
     content: Cow<'a, [u8]>,
 }
 
-/// The statements of a file.
+/// Returns the statements of a file.
 pub fn statements<'a>(text: &'a [u8], path: &'a Path) -> impl Iterator<Item = Statement<'a>> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let mut lines = text.split(|&byte| byte == b'\n').enumerate();
@@ -25,7 +25,7 @@ pub fn statements<'a>(text: &'a [u8], path: &'a Path) -> impl Iterator<Item = St
             && let Some(head) = content.trim_ascii_end().strip_suffix(b"\\").map(<[u8]>::len)
         {
             let Some((_, next)) = lines.next() else { break };
-            // In place: a copy for every line would take time by the square of their number.
+            // Joined in place, because a copy for every line would take time by the square of their number.
             let joined = content.to_mut();
             joined.truncate(head);
             joined.push(b' ');
@@ -37,7 +37,7 @@ pub fn statements<'a>(text: &'a [u8], path: &'a Path) -> impl Iterator<Item = St
     statements.filter(|statement| !statement.keyword().is_empty())
 }
 
-/// A name as it stands, and what remains of it where `#` begins a comment: some names hold a `#`.
+/// Returns a name as it is, and shortened to where a `#` may begin a comment. Some names hold a `#`.
 pub fn without_comment(name: &str) -> impl Iterator<Item = &str> {
     let ends = [Some(name.len()), name.find(" #"), name.find('#')];
     ends.into_iter().flatten().map(|end| name[..end].trim_end()).filter(|name| !name.is_empty())
@@ -47,16 +47,16 @@ impl Statement<'_> {
     pub fn keyword(&self) -> &[u8] {
         self.all_words().next().unwrap_or_default()
     }
-    /// The keyword, for messages.
+    /// Returns the keyword for messages.
     pub fn shown(&self) -> String {
         let keyword = self.keyword();
         format!("`{}`", String::from_utf8_lossy(&keyword[..keyword.len().min(40)]))
     }
-    /// Whether it only ends or forgoes what statements of its kind begin.
+    /// Tests whether it switches off what its kind of statements switches on.
     pub fn is_off(&self) -> bool {
         self.words().eq([b"off"]) || self.words().eq([b"0"])
     }
-    /// What follows the keyword, as a name: it may hold spaces.
+    /// Returns the rest after the keyword as a name, which may hold spaces.
     pub fn name(&self) -> String {
         let rest = &self.content.trim_ascii_start()[self.keyword().len()..];
         String::from_utf8_lossy(rest.trim_ascii()).into_owned()
@@ -65,11 +65,11 @@ impl Statement<'_> {
         let content = self.content.split(|&byte| byte == b'#').next().unwrap_or_default();
         content.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
     }
-    /// The words that follow the keyword.
+    /// Returns the words after the keyword.
     pub fn words(&self) -> impl Iterator<Item = &[u8]> {
         self.all_words().skip(1)
     }
-    /// The next `N` of these words as numbers.
+    /// Parses the next `N` of these words as numbers.
     pub fn numbers<'a, const N: usize>(
         &self,
         words: &mut impl Iterator<Item = &'a [u8]>,
@@ -86,7 +86,7 @@ impl Statement<'_> {
     pub fn number(&self, word: &[u8]) -> Result<f64, SceneError> {
         let shown = String::from_utf8_lossy(word);
         match shown.parse() {
-            Ok(value) if fits(value) => Ok(value),
+            Ok(value) if is_within_bounds(value) => Ok(value),
             Ok(_) => {
                 let what = format!("`{shown}` is not a number that a scene can hold");
                 Err(self.fault(what, WITHIN_BOUNDS))
@@ -94,8 +94,8 @@ impl Statement<'_> {
             Err(_) => Err(self.fault(format!("`{shown}` is not a number"), "write a number")),
         }
     }
-    /// An error about the statement.
+    /// Makes an error about the statement.
     pub fn fault(&self, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
-        SceneError::new(what).in_file(self.path).at(format!("line {}", self.line)).mend(mend)
+        SceneError::new(what).in_file(self.path).at_place(format!("line {}", self.line)).mend(mend)
     }
 }

@@ -1,4 +1,4 @@
-//! Textures: PNG, JPEG, BMP, TGA, HDR and EXR files decoded to texels.
+//! Decodes PNG, JPEG, BMP, TGA, HDR and EXR files to textures.
 
 use super::colorimetry::{self, linear, to_rec709};
 use super::files::Files;
@@ -20,32 +20,35 @@ use std::path::{Path, PathBuf};
 pub const MAX_IMAGE_SIDE: u32 = u16::MAX as u32;
 /// Most bytes that an image file may be decoded to.
 pub const MAX_IMAGE_BYTES: u64 = 2 << 30;
-/// Most pixels that a byte of a file may stand for: those of a PNG of one bit a pixel, which Deflate shrinks
-/// to 1 in 1,032. Only a BMP that leaves out nearly all of its pixels has more.
+/// Most pixels for each byte of a file: those of a PNG of one bit a pixel, which Deflate shrinks to 1 in
+/// 1,032. Only a BMP that leaves out nearly all of its pixels has more.
 const MAX_PIXELS_OF_BYTE: u64 = 8 * 1_032;
-/// Most bytes that the textures of a scene may take, levels of detail included: four of a texel with 8 bits a
-/// channel, sixteen of others.
+/// Most bytes of the textures of a scene, levels of detail included: four for a texel with 8 bits a channel,
+/// sixteen for others.
 const MAX_BYTES: usize = 4 << 30;
-/// What a texture counts at the least: it also has a name and a place in tables.
+/// Least number of bytes that a texture counts for its name and its places in tables.
 const LEAST_BYTES: usize = 1 << 10;
 
-/// The textures of one scene; each file is loaded once for each filter and kind of texels.
+/// Width, height and texels of an image.
+type Decoded = (u32, u32, Texels);
+
+/// The textures of one scene. Each file is loaded once for each filter and kind of texels.
 #[derive(Default)]
 pub struct Textures {
-    /// Where they come from.
+    /// The files that they come from.
     pub files: Files,
     pub list: Vec<Texture>,
-    /// Are all display values sRGB, whatever a file's profile says?
+    /// Whether all display values are read as sRGB, even if a file has another profile.
     pub ignores_profiles: bool,
-    /// What of image files is left out, as full sentences.
+    /// A sentence about everything of image files that is left out.
     pub left_out: Vec<String>,
     bytes: usize,
     known: HashMap<(PathBuf, Filter, TexelKind), u32>,
 }
 
 impl Textures {
-    /// The index of the texture at a resolved path, or the reason why it cannot be loaded. `name` is shown to
-    /// the user.
+    /// Loads the texture at a resolved path, and returns its index, or the reason why it cannot be loaded.
+    /// `name` is for messages.
     pub fn load(
         &mut self,
         path: &Path,
@@ -53,36 +56,63 @@ impl Textures {
         filter: Filter,
         texel_kind: TexelKind,
     ) -> Result<u32, String> {
-        let files = self.files.clone();
-        self.load_from(|| files.read(path), |texels| texels, path, name, filter, texel_kind)
+        let read =
+            |textures: &mut Self| textures.decode(&textures.files.clone().read(path)?, path, texel_kind);
+        self.add((path.to_path_buf(), filter, texel_kind), name, read)
     }
-    /// The same from an image file's content, of which `change` makes the texels that are kept. `path` names
-    /// the image and the change.
+    /// Loads the texture that a model names in a file, `beside`: see [`Files::find`].
+    pub fn find(
+        &mut self,
+        name: &str,
+        beside @ [_, model]: [&Path; 2],
+        filter: Filter,
+        texel_kind: TexelKind,
+    ) -> Result<u32, String> {
+        let folder = model.parent().unwrap_or(Path::new(""));
+        self.files.clone().find(name, beside, |path| {
+            let shown = path.strip_prefix(folder).unwrap_or(path).to_string_lossy();
+            self.load(path, &shown, filter, texel_kind)
+        })
+    }
+    /// Loads a texture from the content of an image file. `change` makes the texels that are kept; `path`
+    /// names the image and the change.
     pub fn load_from(
         &mut self,
         content: impl FnOnce() -> Result<Vec<u8>, String>,
         change: impl FnOnce(Texels) -> Texels,
         path: &Path,
-        name: &str,
         filter: Filter,
         texel_kind: TexelKind,
     ) -> Result<u32, String> {
-        let key = (path.to_path_buf(), filter, texel_kind);
-        if let Some(&known) = self.known.get(&key) {
-            return Ok(known);
-        }
-        let mut left_out = Vec::new();
-        let (width, height, texels) =
-            decode(&content()?, path, texel_kind, self.ignores_profiles, &mut left_out)?;
-        self.left_out.extend(left_out.into_iter().map(|what| format!("{}: {what}.", path.display())));
-        self.add(key, Texture { name: name.to_string(), width, height, filter, texels: change(texels) })
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        self.add((path.to_path_buf(), filter, texel_kind), &name, |textures| {
+            let (width, height, texels) = textures.decode(&content()?, path, texel_kind)?;
+            Ok((width, height, change(texels)))
+        })
     }
     /// Keeps the first textures. The others still count as loaded.
     pub fn truncate(&mut self, count: usize) {
         self.list.truncate(count);
         self.known.retain(|_, number| (*number as usize) < count);
     }
-    fn add(&mut self, key: (PathBuf, Filter, TexelKind), texture: Texture) -> Result<u32, String> {
+    fn decode(&mut self, bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<Decoded, String> {
+        let mut left_out = Vec::new();
+        let decoded = decode(bytes, path, texel_kind, self.ignores_profiles, &mut left_out)?;
+        self.left_out.extend(left_out.into_iter().map(|what| format!("{}: {what}.", path.display())));
+        Ok(decoded)
+    }
+    /// Adds a texture, unless it is known, and returns its index.
+    fn add(
+        &mut self,
+        key: (PathBuf, Filter, TexelKind),
+        name: &str,
+        decode: impl FnOnce(&mut Self) -> Result<Decoded, String>,
+    ) -> Result<u32, String> {
+        if let Some(&known) = self.known.get(&key) {
+            return Ok(known);
+        }
+        let (width, height, texels) = decode(self)?;
+        let texture = Texture { name: name.to_string(), width, height, filter: key.1, texels };
         self.bytes += texture.bytes().max(LEAST_BYTES);
         if self.bytes > MAX_BYTES {
             return Err(format!("the scene's textures take more than {MAX_BYTES} bytes"));
@@ -94,18 +124,19 @@ impl Textures {
     }
 }
 
+/// Decodes an image file, and adds a clause to `left_out` for everything that is left out of it.
 fn decode(
     bytes: &[u8],
     path: &Path,
     texel_kind: TexelKind,
     ignores_profiles: bool,
     left_out: &mut Vec<String>,
-) -> Result<(u32, u32, Texels), String> {
+) -> Result<Decoded, String> {
     let radiance = bytes.starts_with(b"#?").then(|| Radiance::new(bytes)).transpose()?;
     let bytes = radiance.as_ref().map_or(bytes, |radiance| radiance.file.as_slice());
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
-    // TGA has no magic number: its extension decides.
+    // TGA has no magic number, and is known by its extension.
     if reader.format().is_none()
         && let Ok(format) = ImageFormat::from_path(path)
     {
@@ -140,7 +171,7 @@ fn decode(
     if decoder.total_bytes() > MAX_IMAGE_BYTES {
         return Err(too_large());
     }
-    // A decoder takes memory for the whole picture before it sees where the file ends.
+    // A decoder allocates memory for the whole picture before it finds the end of the file.
     if u64::from(width) * u64::from(height) > bytes.len() as u64 * MAX_PIXELS_OF_BYTE {
         return Err(format!("its {} bytes are too few for {width}x{height} pixels", bytes.len()));
     }
@@ -172,8 +203,8 @@ fn decode(
     Ok((width, height, texels))
 }
 
-/// Whether a JPEG file has the marker that ends its first picture; others may follow. The decoder makes up
-/// what is missing.
+/// Tests whether a JPEG file has the marker that ends its first picture, which others may follow. The decoder
+/// fills in missing rows without an error.
 fn has_end(jpeg: &[u8]) -> bool {
     const START: u8 = 0xd8;
     const END: u8 = 0xd9;
@@ -192,7 +223,7 @@ fn has_end(jpeg: &[u8]) -> bool {
     false
 }
 
-/// The profile of a picture's values; `None` for one that cannot be used.
+/// Returns the profile of a picture's values; `None` if it cannot be used.
 fn profile(
     bytes: &[u8],
     format: ImageFormat,
@@ -222,8 +253,8 @@ fn profile(
     Some(colorimetry::chromatic(gamma, primaries))
 }
 
-/// HDR and EXR already hold linear values. Filters leave some a little below 0; what is brighter than a half
-/// can hold is infinite.
+/// Makes texels of the linear values of HDR and EXR files. Values below 0, which filters leave, and NaN become
+/// 0. Infinity, which stands for values beyond the range of a half, becomes the largest other number.
 fn linear_texels(
     mut pixels: Vec<[f32; 3]>,
     to_rec709: DMat3,
@@ -245,7 +276,7 @@ fn linear_texels(
     Texels::Float32(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect())
 }
 
-/// Replaces channels, and says in how many pixels.
+/// Replaces channels, and adds a clause with the number of pixels.
 fn replace(
     pixels: &mut [[f32; 3]],
     is_bad: fn(f32) -> bool,
@@ -274,12 +305,12 @@ fn broken(error: impl Display) -> String {
     format!("the image is broken: {error}")
 }
 
-/// The other formats hold display values (sRGB), or data, of 8 or 16 bits.
+/// Makes texels of the other formats' display values (sRGB) or data, of 8 or 16 bits.
 fn display_texels(picture: DynamicImage, texel_kind: TexelKind) -> Texels {
     use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
     match picture {
         ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_) => {
-            // 16 bits do not fit a byte: stored as linear f32.
+            // 16 bits do not fit a byte, so they are stored as linear f32.
             let linear = |channel: u16| {
                 let x = f64::from(channel) / 65_535.0;
                 (if texel_kind == TexelKind::Color { srgb_to_linear(x) } else { x }) as f32
@@ -300,24 +331,18 @@ mod tests {
 
     #[test]
     fn textures_are_counted_and_end_at_the_limit() {
-        let texture = |texels| Texture {
-            name: String::new(),
-            width: 1,
-            height: texels,
-            filter: Filter::Nearest,
-            texels: Texels::Float32(vec![[0.0; 4]; texels as usize]),
+        let add = |textures: &mut Textures, name: &str, filter, texels: u32| {
+            let decoded = (1, texels, Texels::Float32(vec![[0.0; 4]; texels as usize]));
+            textures.add((PathBuf::from(name), filter, TexelKind::Color), name, |_| Ok(decoded))
         };
-        let key = |name: &str| (PathBuf::from(name), Filter::Nearest, TexelKind::Color);
         let mut textures = Textures { bytes: MAX_BYTES - 17_024, ..Textures::default() };
         // 16 bytes each texel, and not less than a kilobyte.
-        assert_eq!(textures.add(key("a"), texture(1_000)), Ok(0));
-        assert_eq!(textures.add(key("b"), texture(1)), Ok(1));
-        let refused = textures.add(key("c"), texture(1));
-        assert_eq!(refused, Err("the scene's textures take more than 4294967296 bytes".to_string()));
+        assert_eq!(add(&mut textures, "a", Filter::Nearest, 1_000), Ok(0));
+        assert_eq!(add(&mut textures, "b", Filter::Nearest, 1), Ok(1));
+        assert!(add(&mut textures, "c", Filter::Nearest, 1).is_err());
         assert_eq!(textures.list.len(), 2);
         // Levels of detail count: 1,000 texels in a row have 994 more.
         let mut textures = Textures { bytes: MAX_BYTES - 17_024, ..Textures::default() };
-        let levels = Texture { filter: Filter::Trilinear, ..texture(1_000) };
-        assert!(textures.add(key("d"), levels).is_err());
+        assert!(add(&mut textures, "d", Filter::Trilinear, 1_000).is_err());
     }
 }

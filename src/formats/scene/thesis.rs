@@ -1,21 +1,22 @@
-//! The thesis's scene format: its keys, its display colours, its axes.
+//! Reads the scene format of the thesis: its keys, its display colours, its axes.
 //!
-//! In the thesis's axes y points down and x grows to the left of the picture. Inverting the scene through the
-//! origin, p' = −p, makes y point up and x point right for a camera that looks along −z. It follows with n' =
-//! −n:
+//! In the thesis's axes, y points down and x grows to the left of the picture. Inverting the scene through the
+//! origin, p' = −p, makes y point up and x point right for a camera that looks along −z. With n' = −n it
+//! follows:
 //!
-//! - its camera at (2, −2.5, −365.63) stands at (−2, 2.5, 365.63). Its yaw of −4.7 rad, 0.0124 rad more than
-//!   −3π/2, looks along (cos −4.7, 0, sin −4.7) = (−0.0124, 0, 0.9999), which becomes (0.0124, 0, −0.9999);
-//!   right is forward × up, about +x, the thesis's −x;
-//! - a sphere's u = atan2(n.z, n.x) / 2π is ours plus half a turn, and its row from the top, 1 − acos(n.y) /
-//!   π, is our acos(n'.y) / π;
-//! - a triangle's planar mapping is computed before the inversion and carried by its vertices.
+//! - The thesis's camera at (2, −2.5, −365.63) is at (−2, 2.5, 365.63) in ours. Its yaw of −4.7 rad, 0.0124
+//!   rad more than −3π/2, looks along (cos −4.7, 0, sin −4.7) = (−0.0124, 0, 0.9999), which becomes (0.0124,
+//!   0, −0.9999). Right is forward × up, about +x, the thesis's −x.
+//! - A sphere's u = atan2(n.z, n.x) / 2π is ours plus half a turn. Its row from the top, 1 − acos(n.y) / π, is
+//!   our acos(n'.y) / π.
+//! - A triangle's planar mapping is computed before the inversion and kept by its vertices.
 
 use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};
 use super::check::MAX_NUMBER;
 use super::error::SceneError;
 use super::files::Files;
 use super::json::{JsonPath, Source, read};
+use super::notes::Notes;
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::math::portable;
 use octray_engine::scene::{
@@ -34,8 +35,8 @@ const TEXTURE_SIZE: f64 = 100.0;
 const CAMERA: DVec3 = DVec3::new(2.0, -2.5, -365.63);
 /// Its yaw in radians, from +x towards +z.
 const YAW: f64 = -4.7;
-/// Half the picture's width over its focal length (200 pixels for every 68 of width): tan of half the field
-/// of view.
+/// Tangent of half the horizontal field of view: half the picture's width over its focal length, which is 200
+/// pixels for every 68 of width.
 const HALF_WIDTH: f64 = 34.0 / 200.0;
 
 type Unknown = BTreeMap<String, IgnoredAny>;
@@ -70,7 +71,7 @@ struct TriangleFile {
     center: [f64; 3],
     s0: [f64; 3],
     s1: [f64; 3],
-    /// Accepted and ignored: it is normalize(s0 × s1).
+    /// normalize(s0 × s1), which is accepted and ignored.
     #[serde(rename = "normal")]
     _normal: Option<IgnoredAny>,
     color: Option<[f64; 3]>,
@@ -90,7 +91,7 @@ struct Surface<'a> {
     texture: Option<&'a String>,
 }
 
-/// The accepted form of a scene text in the thesis's format.
+/// Reads a scene text in the thesis's format.
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
     let file: SceneFile = read(source)?;
     let root = source.root();
@@ -103,17 +104,10 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     for (i, sphere) in file.sphere.iter().enumerate() {
         loader.add_sphere(sphere, &root.key("sphere").item(i))?;
     }
-    let mut without_area = Vec::new();
     for (i, triangle) in file.triangle.iter().enumerate() {
-        if !loader.add_triangle(triangle, &root.key("triangle").item(i))? {
-            without_area.push(i);
-        }
+        loader.add_triangle(triangle, &root.key("triangle").item(i))?;
     }
     let mut builder = loader.builder;
-    if let Some(first) = without_area.first() {
-        let count = without_area.len();
-        builder.warn(format!("{count} of zero area among the triangles, first triangle[{first}], left out."));
-    }
     if builder.scene.primitives() == 0 {
         let mend = "add an entry to `sphere` or `triangle`";
         return Err(root.error("the scene holds nothing to see", mend));
@@ -125,7 +119,8 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
         let what = format!("the sky's channel {channel} is not a display value");
         Err(place.error(what, "write a number from 0 to 1"))
     })?;
-    warn_of_unknown(&mut builder, &file);
+    note_unknown(&mut builder.notes, &file, &root);
+    builder.warn_of_notes(source.file, ": ");
 
     let camera = camera(resolution);
     debug_assert!(camera.fault().is_none());
@@ -136,7 +131,7 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
 
 fn whole_resolution(place: &JsonPath, resolution: [f64; 2]) -> Result<[u32; 2], SceneError> {
     let whole = place.each(resolution, |place, side| match side.fract() == 0.0 {
-        // A cast that saturates: what is out of range stays out of range.
+        // The cast saturates, so that a side out of range stays out of range.
         true => Ok(side as u32),
         false => {
             let what = format!("{side} is not a whole number of pixels");
@@ -146,7 +141,7 @@ fn whole_resolution(place: &JsonPath, resolution: [f64; 2]) -> Result<[u32; 2], 
     place.resolution(whole)
 }
 
-/// The thesis's camera in our axes.
+/// Returns the thesis's camera in our axes.
 fn camera([width, height]: [u32; 2]) -> Camera {
     let half_height = HALF_WIDTH * f64::from(height) / f64::from(width);
     // The point at z = 0 in the middle of the picture.
@@ -160,7 +155,7 @@ fn camera([width, height]: [u32; 2]) -> Camera {
     }
 }
 
-/// A thesis point in our axes. Subtracting from zero leaves no negative zeros.
+/// Converts a point to our axes. Subtracting from zero leaves no negative zeros.
 fn inverted(p: DVec3) -> DVec3 {
     DVec3::ZERO - p
 }
@@ -168,9 +163,9 @@ fn inverted(p: DVec3) -> DVec3 {
 #[derive(Default)]
 struct Loader {
     builder: SceneBuilder,
-    /// Index of each material, by all that it is but its name.
+    /// Index of each material, by its properties without its name.
     known: HashMap<String, u32>,
-    /// Index of each texture by its path; `None` where it is missing.
+    /// Index of each texture by its path; `None` for a missing one.
     textures: HashMap<String, Option<u32>>,
 }
 
@@ -186,15 +181,14 @@ impl Loader {
             radius: radius as f32,
             material: self.material(&surface, place)?,
             texture_turn: 0.5,
-            // The thesis's program maps every sphere's texture as seen from inside: right for skies, mirrored
-            // on balls.
+            // The thesis's program maps every sphere's texture as seen from inside, which is right for skies
+            // and mirrored on balls.
             texture_side: Side::Inside,
         };
         self.builder.add_sphere(sphere, (center, radius));
         Ok(())
     }
-    /// Returns false for a triangle without area.
-    fn add_triangle(&mut self, file: &TriangleFile, place: &JsonPath) -> Result<bool, SceneError> {
+    fn add_triangle(&mut self, file: &TriangleFile, place: &JsonPath) -> Result<(), SceneError> {
         let &TriangleFile { center, s0, s1, color, emission, roughness, ref texture, .. } = file;
         for (key, v) in [("center", center), ("s0", s0), ("s1", s1)] {
             place.key(key).vec3(v)?;
@@ -208,7 +202,10 @@ impl Loader {
         let surface = Surface { color, emission, roughness, texture: texture.as_ref() };
         let material = self.material(&surface, place)?;
         let attributes = Attributes { uvs: Some(planar_uvs(corners)), ..Attributes::default() };
-        Ok(self.builder.add_triangle(corners.map(inverted), material, attributes))
+        if !self.builder.add_triangle(corners.map(inverted), material, attributes) {
+            self.builder.notes.add(place, "a triangle of zero area is left out");
+        }
+        Ok(())
     }
     fn material(&mut self, surface: &Surface, place: &JsonPath) -> Result<u32, SceneError> {
         let texture = surface.texture.and_then(|path| self.texture(path));
@@ -221,7 +218,7 @@ impl Loader {
         }
         let color = surface.color.unwrap_or([255.0; 3]);
         if color.iter().any(|channel| !(0.0..=255.0).contains(channel)) {
-            self.builder.warn(format!("{place}.color: {color:?} is outside 0 to 255 and was clamped."));
+            self.builder.notes.add(&place.key("color"), "a channel outside 0 to 255 is clamped");
         }
         let color = DVec3::from(color.map(|channel| srgb_to_linear(channel.clamp(0.0, 255.0) / 255.0)));
         let (kind, emission, color) = if emission > 0.0 {
@@ -242,8 +239,8 @@ impl Loader {
         self.known.insert(key, number);
         Ok(number)
     }
-    /// The texture at a path, searched in every folder that the thesis's files may mean. A path that is not
-    /// found is a warning.
+    /// Loads the texture at a path, which may be relative to any of several folders. A path that is not found
+    /// is a warning.
     fn texture(&mut self, path: &str) -> Option<u32> {
         if path.is_empty() {
             return None;
@@ -270,10 +267,10 @@ impl Loader {
     }
 }
 
-/// Texture coordinates of the thesis's triangles: distances from the first vertex along two directions in the
-/// plane, [`TEXTURE_SIZE`] scene units to one repeat. The texture's rows run along the second direction, so
-/// v, which points up, runs against it. The mapping is affine and therefore given by its values at the
-/// vertices.
+/// Computes the texture coordinates of the thesis's triangles: distances from the first vertex along two
+/// directions in the plane, with [`TEXTURE_SIZE`] scene units to one repeat. The texture's rows follow each
+/// other along the second direction, so that v, which points up, runs against it. The mapping is affine and
+/// therefore determined by its values at the vertices.
 fn planar_uvs(vertices: [DVec3; 3]) -> [Vec2; 3] {
     let [a, b, c] = vertices;
     let n = (b - a).cross(c - a).normalize();
@@ -286,8 +283,8 @@ fn planar_uvs(vertices: [DVec3; 3]) -> [Vec2; 3] {
     })
 }
 
-/// The files that a texture path may mean: relative to the scene's folder, to each folder above it and to the
-/// working folder; as written, and with backslashes replaced by slashes.
+/// Returns the files that a texture path may stand for: relative to the scene's folder, to each folder above
+/// it and to the working folder, as written and with slashes in the place of backslashes.
 fn candidates(files: &Files, path: &str) -> Vec<PathBuf> {
     let spellings = [path.to_string(), path.replace('\\', "/")];
     let Some(folder) = files.folder() else { return spellings.map(|path| files.resolve(&path)).to_vec() };
@@ -296,21 +293,15 @@ fn candidates(files: &Files, path: &str) -> Vec<PathBuf> {
     folders.flat_map(|folder| spellings.iter().map(move |path| folder.join(path))).collect()
 }
 
-/// One warning for each unknown key, with the first place and the number of others.
-fn warn_of_unknown(builder: &mut SceneBuilder, file: &SceneFile) {
-    let top = file.unknown.keys().map(|key| (key.as_str(), key.clone()));
-    let spheres = (file.sphere.iter().enumerate()).flat_map(|(i, sphere)| {
-        sphere.unknown.keys().map(move |key| (key.as_str(), format!("sphere[{i}].{key}")))
-    });
-    let triangles = (file.triangle.iter().enumerate()).flat_map(|(i, triangle)| {
-        triangle.unknown.keys().map(move |key| (key.as_str(), format!("triangle[{i}].{key}")))
-    });
-    let mut uses: BTreeMap<&str, (String, usize)> = BTreeMap::new();
-    for (key, place) in top.chain(spheres).chain(triangles) {
-        uses.entry(key).or_insert((place, 0)).1 += 1;
-    }
-    for (key, (place, count)) in uses {
-        let more = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
-        builder.warn(format!("The key `{key}` is unknown and ignored ({place}{more})."));
-    }
+/// Notes the unknown keys of a file.
+fn note_unknown(notes: &mut Notes, file: &SceneFile, root: &JsonPath) {
+    let mut note = |place: &JsonPath, unknown: &Unknown| {
+        for key in unknown.keys() {
+            notes.add(&place.key(key), format!("the key `{key}` is unknown and ignored"));
+        }
+    };
+    note(root, &file.unknown);
+    let (spheres, triangles) = (root.key("sphere"), root.key("triangle"));
+    file.sphere.iter().enumerate().for_each(|(i, sphere)| note(&spheres.item(i), &sphere.unknown));
+    file.triangle.iter().enumerate().for_each(|(i, triangle)| note(&triangles.item(i), &triangle.unknown));
 }

@@ -1,7 +1,8 @@
-//! From the native file to a [`Scene`], or an error that says where and how to mend it.
+//! Converts a native file to a [`Scene`], or reports its faults.
 
 use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, MAX_COPIES, SceneBuilder};
-use super::check::{fits, is_near, near};
+use super::camera::camera;
+use super::check::{bring_near, is_within_bounds};
 use super::error::{MAX_FAULTS, SceneError};
 use super::faults::read_all;
 use super::files::Files;
@@ -9,30 +10,24 @@ use super::json::{JsonPath, Source};
 use super::material;
 use super::mesh::Unusable;
 use super::model::{self, Model};
-use super::native::{
-    CameraFile, FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT,
-};
+use super::native::{FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT};
 use super::placement::Placement;
 use super::spelling::nearest;
 use glam::{DVec3, Vec3};
-use octray_engine::scene::{
-    Camera, Coordinates, MAX_COORDINATE, MIN_LENGTH, MaterialKind, Scene, Side, Sky, Sphere,
-};
+use octray_engine::scene::{Coordinates, MAX_COORDINATE, MaterialKind, Scene, Side, Sky, Sphere};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Degrees of a field of view so narrow that what is rounded relative to the camera moves by parts of a pixel
-/// that show.
+/// Field of view in degrees below which rounding relative to the camera shows in the picture.
 const NARROW: f64 = 1.0;
-/// The shortest distance to a point that the camera looks at, in distances from the camera to the origin.
-const LEAST_SIGHT: f64 = 0.5;
-/// The smallest size of a scene, in distances from its origin to its end: 1/16 of what its unit has room for.
+/// Least size that coordinates are chosen for, relative to the distance from the origin to the scene's end. The
+/// end is then at 1/16 of the largest coordinate.
 const LEAST_SIZE: f64 = 16.0 / MAX_COORDINATE;
-/// Most spheres of glass that are compared with each other, one by one.
+/// Most spheres of glass that are compared with each other.
 const MOST_NESTED: usize = 1_000;
 
-/// The accepted form of a native scene text, or its faults: all those of keys and types, and the first of
-/// each of its parts otherwise.
+/// Reads a native scene text. The error has all faults of keys and types, and the first other fault of each
+/// part.
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
     let (file, faults): (SceneFile, _) = read_all(source)?;
     let root = source.root();
@@ -45,43 +40,43 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let is_mended = !faults.is_empty();
     let mut faults = Faults(faults);
     let resolution = file.resolution.unwrap_or(DEFAULT_RESOLUTION);
-    let resolution = faults.none_in(root.key("resolution").resolution(resolution))?;
+    let resolution = faults.record(root.key("resolution").resolution(resolution))?;
     let max_bounces = file.max_bounces.unwrap_or(DEFAULT_BOUNCES);
-    let max_bounces = faults.none_in(root.key("max_bounces").bounces(max_bounces))?;
+    let max_bounces = faults.record(root.key("max_bounces").bounces(max_bounces))?;
 
-    faults.none_in(file.origin.map_or(Ok(Vec3::ZERO), |origin| root.key("origin").vec3(origin)))?;
+    faults.record(file.origin.map_or(Ok(Vec3::ZERO), |origin| root.key("origin").vec3(origin)))?;
     let mut loader = Loader { builder: SceneBuilder::new(files), is_mended, ..Loader::default() };
     set_coordinates(&file, &mut loader.builder);
     for entry in &file.materials.0 {
         let place = root.key("materials");
         let number = material::material(&mut loader.builder, entry, &place.key(&entry.0));
-        let number = faults.none_in(number.map(Some))?;
+        let number = faults.record(number.map(Some))?;
         loader.materials.insert(&entry.0, number.unwrap_or_else(|| loader.builder.default_material()));
     }
     for (i, sphere) in file.spheres.iter().enumerate() {
-        faults.none_in(loader.add_sphere(sphere, &root.key("spheres").item(i)))?;
+        faults.record(loader.add_sphere(sphere, &root.key("spheres").item(i)))?;
     }
     for (i, triangle) in file.triangles.iter().enumerate() {
-        faults.none_in(loader.add_triangle(triangle, &root.key("triangles").item(i)))?;
+        faults.record(loader.add_triangle(triangle, &root.key("triangles").item(i)))?;
     }
     for name in file.meshes.iter().filter_map(|mesh| mesh.model.as_ref().or(mesh.obj.as_ref())) {
         *loader.uses.entry(name).or_default() += 1;
     }
     for (i, mesh) in file.meshes.iter().enumerate() {
-        faults.none_in(loader.add_mesh(mesh, &root.key("meshes").item(i)))?;
+        faults.record(loader.add_mesh(mesh, &root.key("meshes").item(i)))?;
     }
     let mut builder = loader.builder;
     let sky = match &file.sky {
-        Some(sky) => faults.none_in(material::sky(&mut builder, sky, &root.key("sky")).map(Some))?,
+        Some(sky) => faults.record(material::sky(&mut builder, sky, &root.key("sky")).map(Some))?,
         None => None,
     };
     if builder.scene.primitives() == 0 {
         let mend = "add an entry to `spheres`, `triangles` or `meshes`";
         return Err(faults.all().unwrap_or(root.error("the scene holds nothing to see", mend)));
     }
-    let camera = file.camera.unwrap_or_default();
-    let camera = camera_of(&root.key("camera"), &camera, &builder.scene, None);
-    let camera = faults.none_in(camera.map(Some))?;
+    let camera_file = file.camera.unwrap_or_default();
+    let camera = camera(&root.key("camera"), &camera_file, &builder.scene, None);
+    let camera = faults.record(camera.map(Some))?;
     let Some(camera) = camera.filter(|_| faults.0.is_empty()) else {
         return Err(faults.all().expect("without a fault there is a camera"));
     };
@@ -92,11 +87,12 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     builder.finish(name, camera, resolution, max_bounces, sky).map_err(|error| error.in_file(source.file))
 }
 
-/// Sets the coordinates of a scene, or only their origin where nothing but models says how large it is. The
-/// origin is the point that the file gives for it, or where the camera stands: what is rounded relative to
-/// that moves by no part of a pixel that shows, unless the field of view is [`NARROW`]; then it is the
-/// nearest point in the picture. Without a camera's position it is what the camera looks at, a corner of a
-/// triangle or the middle of the smallest sphere. It is the same whatever point of the line is named.
+/// Sets the coordinates of a scene, or only their origin if all primitives are in models.
+///
+/// The origin is that of the file, or else the camera's position, relative to which rounding does not show in
+/// the picture. If the field of view is [`NARROW`], it is the nearest point in the picture instead. Without a
+/// position it is the point that the camera looks at, a corner of a triangle, or the centre of the smallest
+/// sphere. It depends on the direction of sight, and not on the distance of the point that the camera looks at.
 fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
     let camera = file.camera.as_ref().map_or([None; 2], |camera| [camera.position, camera.look_at]);
     let [position, look_at] = camera.map(|point| point.map(DVec3::from));
@@ -116,21 +112,21 @@ fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
         (Some(position), ..) => Some(position),
         (None, ..) => {
             let smallest = file.spheres.iter().min_by(|a, b| a.radius.total_cmp(&b.radius));
-            let of_triangle = file.triangles.first().map(|triangle| triangle.vertices[0].into());
-            look_at.or(of_triangle).or(smallest.map(|sphere| sphere.center.into()))
+            let corner = file.triangles.first().map(|triangle| triangle.vertices[0].into());
+            look_at.or(corner).or(smallest.map(|sphere| sphere.center.into()))
         }
     };
     builder.origin = file.origin.map(DVec3::from).or(seen);
     let Some(origin) = builder.origin else { return };
     let reach = balls.iter().map(|(center, radius)| origin.distance(*center) + radius.abs()).reduce(f64::max);
-    // A point far beyond the scene, or right at the camera, says nothing of its size.
+    // The distance of sight stands for the size, unless it is far beyond the scene or nearly 0.
     let sight = position.zip(look_at).map(|(position, look_at)| position.distance(look_at));
     let size = reach.map(|reach| sight.map_or(reach, |sight| sight.clamp(reach * LEAST_SIZE, reach)));
     size.into_iter().for_each(|size| builder.set_coordinates(Coordinates::around(origin, size)));
 }
 
-/// Notes spheres of glass directly inside another whose `ior` is surely not what was meant: every `ior` is
-/// relative to vacuum, so that 1 does nothing, and that of the outer one refracts again.
+/// Notes spheres of glass directly inside others whose `ior` is surely a mistake: as every `ior` is relative to
+/// vacuum, 1 has no effect, and that of the outer sphere refracts again.
 fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
     let SceneBuilder { scene, notes, .. } = builder;
     let ior_of = |sphere: &Sphere| match scene.materials[sphere.material as usize].kind {
@@ -145,7 +141,7 @@ fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
             larger > 0.0 && outer.center.distance(sphere.center) <= larger
         };
         let is_in_glass = glass.iter().any(|(_, outer)| is_around(outer));
-        // Of any material: what is within an opaque sphere is not seen.
+        // The sphere around may be of any material. An opaque one hides the glass in it.
         let around = scene.spheres.iter().filter(|outer| is_in_glass && is_around(outer));
         let around = around.min_by(|a, b| a.radius.total_cmp(&b.radius));
         let (Some(ior), Some(outer)) = (ior_of(sphere), around.and_then(ior_of)) else { continue };
@@ -170,10 +166,10 @@ fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
 struct Faults(Vec<SceneError>);
 
 impl Faults {
-    /// What was found, or the default for what has a fault; an error once there are enough of them.
-    fn none_in<T: Default>(&mut self, found: Result<T, SceneError>) -> Result<T, SceneError> {
+    /// Returns the value, or its default after recording its fault; an error once there are enough faults.
+    fn record<T: Default>(&mut self, found: Result<T, SceneError>) -> Result<T, SceneError> {
         let Err(fault) = found else { return found };
-        // What lacks a part because of the part's own fault is not at fault.
+        // A fault that only follows from one inside the same value is not recorded.
         let place = fault.place().to_string();
         let is_inside = |known: &SceneError| {
             known.place().strip_prefix(&place).is_some_and(|rest| rest.starts_with(['.', '[']))
@@ -183,59 +179,10 @@ impl Faults {
         }
         if self.0.len() < MAX_FAULTS { Ok(T::default()) } else { self.all().map_or(Ok(T::default()), Err) }
     }
+    /// Returns all faults as one error.
     fn all(&mut self) -> Option<SceneError> {
-        SceneError::of_all(std::mem::take(&mut self.0))
+        SceneError::join(std::mem::take(&mut self.0))
     }
-}
-
-/// The camera that a file describes. What the file leaves out is as in `own`, or else frames the scene.
-pub fn camera_of(
-    place: &JsonPath,
-    file: &CameraFile,
-    scene: &Scene,
-    own: Option<Camera>,
-) -> Result<Camera, SceneError> {
-    let point = |key: &'static str, v: Option<[f64; 3]>| {
-        let point = v.map(|v| place.key(key).point(v, &scene.coordinates)).transpose()?;
-        Ok(point.map(|point| point.as_vec3()))
-    };
-    let position = point("position", file.position)?;
-    let sight = file.look_at.map(|look_at| scene.coordinates.to_scene(look_at.into()));
-    let look_at = match (position, file.look_at.zip(sight)) {
-        // A view keeps the point that it names, unless single precision does not hold it.
-        (Some(position), Some((look_at, sight))) if own.is_none() || !is_near(sight) => {
-            place.key("look_at").vec3(look_at)?;
-            Some(on_sight(position, sight, scene))
-        }
-        _ => point("look_at", file.look_at)?,
-    };
-    let mut camera = own.unwrap_or_else(|| scene.framing(position, look_at));
-    (camera.position, camera.look_at) =
-        (position.unwrap_or(camera.position), look_at.unwrap_or(camera.look_at));
-    if let Some(up) = file.up {
-        camera.up = place.key("up").vec3(up)?;
-    }
-    if let Some(degrees) = file.vertical_fov {
-        camera.vertical_fov = place.key("vertical_fov").number(degrees)?;
-    }
-    match camera.fault() {
-        Some((key, what, mend)) => Err(place.key(key).error(what, mend)),
-        None => Ok(camera),
-    }
-}
-
-/// The point that a camera looks at, or another on the same line of sight, of which only the direction
-/// counts. Where a point is far beyond the scene, or so near that rounding would turn the line, it is one at
-/// a few distances of the scene's primitives: the same for all such points of a line.
-fn on_sight(position: Vec3, look_at: DVec3, scene: &Scene) -> Vec3 {
-    let (from, (lower, upper)) = (position.as_dvec3(), scene.bounds());
-    let (sight, from_origin) = (look_at - from, from.length());
-    let reach = (from - lower).abs().max((upper - from).abs()).length();
-    if (from_origin * LEAST_SIGHT..=2.0 * reach).contains(&sight.length()) || sight.length() < MIN_LENGTH {
-        return look_at.as_vec3();
-    }
-    let farthest = scene.all_primitives().map(|one| one.shape().distance(from)).fold(from_origin, f64::max);
-    (from + sight.normalize() * if farthest > 0.0 { 3.0 * farthest } else { reach }).as_vec3()
 }
 
 #[derive(Default)]
@@ -243,18 +190,18 @@ struct Loader<'a> {
     builder: SceneBuilder,
     /// Index of each material by name.
     materials: HashMap<&'a str, u32>,
-    /// How often a model is named.
+    /// How often each model is named.
     uses: HashMap<&'a str, usize>,
-    /// The models that are named more than once: each is read once.
+    /// The models that are named more than once, and read once.
     models: HashMap<&'a str, Rc<Model>>,
-    /// Triangles of all copies of models.
+    /// Number of triangles of all copies of models.
     copies: usize,
-    /// Parts of the file are left out, perhaps its materials.
+    /// Whether parts of the file, perhaps its materials, were left out because of faults.
     is_mended: bool,
 }
 
 impl<'a> Loader<'a> {
-    /// Index of the material that a primitive names, or of the default material.
+    /// Returns the index of the material that a primitive names, or of the default material.
     fn material(&mut self, name: Option<&String>, place: &JsonPath) -> Result<u32, SceneError> {
         let Some(name) = name else { return Ok(self.builder.default_material()) };
         if let Some(&number) = self.materials.get(name.as_str()) {
@@ -320,7 +267,7 @@ impl<'a> Loader<'a> {
     }
 
     fn add_mesh(&mut self, file: &'a MeshFile, place: &JsonPath) -> Result<(), SceneError> {
-        // Refused already: no copy is made.
+        // Too many copies are refused already, and no more are made.
         if self.copies > MAX_COPIES {
             return Ok(());
         }
@@ -329,7 +276,7 @@ impl<'a> Loader<'a> {
         let rotate = file.rotate_degrees.unwrap_or_default();
         place.key("rotate_degrees").vec3(rotate)?;
         let scale = file.scale.unwrap_or(1.0);
-        if scale <= 0.0 || !fits(scale) {
+        if scale <= 0.0 || !is_within_bounds(scale) {
             let mend = "write one number above 0 and up to 1e18; a mesh cannot be mirrored";
             return Err(place.key("scale").error(format!("a mesh cannot be scaled by {scale}"), mend));
         }
@@ -385,13 +332,13 @@ impl<'a> Loader<'a> {
             }
             Unusable::TooFar(point) => {
                 let coordinates = &self.builder.scene.coordinates;
-                place.error(format!("the mesh reaches {point}, too far away"), near(coordinates))
+                place.error(format!("the mesh reaches {point}, too far away"), bring_near(coordinates))
             }
         })
     }
 }
 
-/// A normal of length 1; the file may give any length but 0.
+/// Scales a normal of the file, of any length but 0, to length 1.
 fn normal(place: &JsonPath, normal: [f64; 3]) -> Result<Vec3, SceneError> {
     place.vec3(normal)?;
     let unit = DVec3::from(normal).normalize_or_zero().as_vec3();

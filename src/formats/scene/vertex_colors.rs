@@ -1,14 +1,14 @@
-//! Colours of vertices as a texture: the engine knows no others.
+//! Stores colours of vertices in a texture, as the engine has no other colours that vary on a triangle.
 //!
-//! Each triangle has a patch of 2 × 2 texels, and its corners lie at the centres of three of them:
+//! Each triangle has a patch of 2 × 2 texels, with its corners at the centres of three of them:
 //!
 //! ```text
 //! a  b          the fourth texel is b + c − a, so that the bilinear blend of the four
 //! c  b+c−a      is a + x (b − a) + y (c − a), linear over the triangle
 //! ```
 //!
-//! The fourth texel may be negative or above 1; no point of the triangle is. Neighbouring patches show up by
-//! rounding: the texture coordinate resolves a 1024th of a texel.
+//! The fourth texel may be negative or above 1, but no point of the triangle is. Rounding mixes in at most a
+//! 1024th of a neighbouring patch, the resolution of texture coordinates.
 
 use super::error::SceneError;
 use super::texture::Textures;
@@ -19,14 +19,15 @@ use std::collections::HashMap;
 /// The name of the texture.
 pub const NAME: &str = "(vertex colours)";
 
-/// Returns which of these numbers, in ascending order, is white where colours have these channels. Colours
-/// may exceed white a little, but not twofold.
+/// Returns the one of these numbers, in ascending order, that stands for white if colours have these channels.
+/// Colours may exceed white a little, but not twofold.
 pub fn white(channels: impl Iterator<Item = f32>, numbers: &[f64]) -> f64 {
     let largest = f64::from(channels.filter(|channel| channel.is_finite()).fold(0.0, f32::max));
     let fits = numbers.iter().find(|&&white| largest <= 2.0 * white);
     *fits.unwrap_or(&numbers[numbers.len() - 1])
 }
 
+/// The vertex colours of a scene.
 #[derive(Default)]
 pub struct VertexColors {
     /// Each material's variant with the texture.
@@ -37,7 +38,7 @@ pub struct VertexColors {
 }
 
 impl VertexColors {
-    /// The index of the texture, which [`Self::lay_out`] fills.
+    /// Returns the index of the texture, which [`Self::lay_out`] fills.
     pub fn texture(&mut self, textures: &mut Textures) -> u32 {
         *self.texture.get_or_insert_with(|| {
             textures.list.push(Texture {
@@ -91,29 +92,11 @@ impl VertexColors {
     }
 }
 
-/// The colours that a triangle with these texture coordinates in the texture has.
+/// Returns the colours of a triangle with these texture coordinates in the texture.
 pub fn read_back(texture: &Texture, uvs: [Vec2; 3]) -> [[f32; 3]; 3] {
     uvs.map(|uv| {
         let x = (uv.x * texture.width as f32) as usize;
         let y = ((1.0 - uv.y) * texture.height as f32) as usize;
         texture.texels.linear(y * texture.width as usize + x).map(|channel| channel as f32)
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colors_read_back_from_their_texture() {
-        let (mut colors, mut textures) = (VertexColors::default(), Textures::default());
-        let index = colors.texture(&mut textures) as usize;
-        let of = |i: usize| [0.1, 0.4, 0.9].map(|x| Vec3::new(x, i as f32 / 5000.0, 0.5));
-        (0..5000).for_each(|i| colors.add(i, of(i)));
-        let mut uvs = vec![[Vec2::ZERO; 3]; 5000];
-        colors.lay_out(&mut textures.list, &mut uvs).unwrap();
-        for (i, &uvs) in uvs.iter().enumerate() {
-            assert_eq!(read_back(&textures.list[index], uvs), of(i).map(|color| color.to_array()), "{i}");
-        }
-    }
 }

@@ -1,12 +1,12 @@
-//! A view: a file that names another scene, with a camera and render options of its own.
+//! Reads and writes views: files that name another scene and have a camera and render options of their own.
 
+use super::camera::camera;
 use super::camera_path::{CameraPath, Keyframe};
 use super::check::warn_of_size;
 use super::embedded::PREFIX;
 use super::error::SceneError;
 use super::json::{JsonPath, Source};
 use super::native::{CameraFile, KeyframeFile, VIEW_FORMAT};
-use super::validate::camera_of;
 use super::write;
 use octray_engine::lights::LightChoice;
 use octray_engine::render::PipelineChoice;
@@ -31,7 +31,7 @@ use std::time::SystemTime;
 /// use octray_formats::scene::{Rendering, View, load, load_with_view};
 ///
 /// let folder = tempfile::tempdir()?;
-/// let mut view = View::of(&load("builtin:three")?, None, folder.path());
+/// let mut view = View::from_scene(&load("builtin:three")?, None, folder.path());
 /// view.render = Rendering { samples: Some(37), tone: Some(Operator::Aces), ..Rendering::default() };
 /// let file = folder.path().join("shot.json");
 /// octray_formats::output::save_text(&file, &view.text())?;
@@ -42,7 +42,7 @@ use std::time::SystemTime;
 pub struct View {
     /// The scene's path relative to the view's folder, or `builtin:NAME`. Never a view.
     pub scene: String,
-    /// Those of the scene, and so of the cameras here.
+    /// The coordinates of the scene and of the cameras here.
     pub coordinates: Coordinates,
     /// The scene's own if `None`.
     pub camera: Option<Camera>,
@@ -50,14 +50,14 @@ pub struct View {
     pub resolution: Option<[u32; 2]>,
     /// The scene's own if `None`.
     pub max_bounces: Option<u32>,
-    /// How to render.
+    /// The render options.
     pub render: Rendering,
     /// The cameras of `octray render --frames`; empty without keyframes.
     pub path: CameraPath,
 }
 
-/// Options of `octray render`, under their names on the command line. `None` is not written. The command
-/// line checks the ranges of the numbers and reports a fault with [`view_fault`].
+/// Options of `octray render` under their names on the command line. `None` is not written. The command line
+/// checks the ranges of the numbers and reports a fault with [`view_fault`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object of options of `octray render`")]
 pub struct Rendering {
@@ -73,7 +73,7 @@ pub struct Rendering {
     /// The tone curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tone: Option<Operator>,
-    /// The most radiance of a sample.
+    /// Largest radiance of a sample.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clamp: Option<f32>,
     /// How rays meet spheres.
@@ -99,11 +99,11 @@ pub struct Rendering {
 /// A scene, and the view that it was loaded through, if the file was a view.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// With the view's camera, resolution and bounces applied.
+    /// The scene, with the view's camera, resolution and bounces.
     pub scene: Scene,
-    /// How the scene is to be looked at, if a view named it.
+    /// The view, if there is one.
     pub view: Option<View>,
-    /// A time before its files were read; `None` if it has none on disk.
+    /// A time before the scene's files were read; `None` without files on disk.
     pub read: Option<SystemTime>,
 }
 
@@ -122,9 +122,9 @@ impl From<Scene> for Loaded {
 }
 
 impl View {
-    /// A view of a scene with its present camera, for a file in `folder`. For a scene loaded through a view,
-    /// it names the viewed scene. `render` and `path` are empty.
-    pub fn of(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> Self {
+    /// Makes a view of a scene with its present camera, for a file in `folder`. It names the viewed scene if
+    /// the scene was loaded through a view. `render` and `path` are empty.
+    pub fn from_scene(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> Self {
         Self {
             scene: name_of_viewed(scene, loaded_through, folder),
             coordinates: scene.coordinates,
@@ -136,7 +136,7 @@ impl View {
         }
     }
 
-    /// The text of the view's file.
+    /// Returns the text of the view's file.
     pub fn text(&self) -> String {
         let mut entries =
             vec![("format", json!(VIEW_FORMAT).to_string()), ("scene", json!(self.scene).to_string())];
@@ -144,8 +144,7 @@ impl View {
         entries.extend(self.resolution.map(|resolution| ("resolution", json!(resolution).to_string())));
         entries.extend(self.max_bounces.map(|bounces| ("max_bounces", bounces.to_string())));
         if self.render != Rendering::default() {
-            // Indents the nested object. Line breaks inside strings are safe: JSON writes them as two
-            // characters.
+            // Indents the nested object. JSON strings contain no line breaks.
             let render = serde_json::to_string_pretty(&self.render).expect("options are JSON");
             entries.push(("render", render.replace('\n', "\n  ")));
         }
@@ -157,7 +156,7 @@ impl View {
     }
 }
 
-/// How a view in `folder` names this scene, or the scene that it is a view of.
+/// Returns the name, for a view in `folder`, of this scene or of the scene that it is a view of.
 fn name_of_viewed(scene: &Scene, loaded_through: Option<&View>, folder: &Path) -> String {
     let file = match loaded_through {
         Some(view) if view.scene.starts_with(PREFIX) => return view.scene.clone(),
@@ -185,7 +184,7 @@ pub struct ViewFile {
     keyframes: Vec<KeyframeFile>,
 }
 
-/// Applies a view to the scene that it names. Camera keys that the view leaves out keep the scene's values.
+/// Applies a view to the scene that it names. Camera keys that are missing in the view keep the scene's values.
 pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) -> Result<Loaded, SceneError> {
     let root = source.root();
     if let Some(resolution) = file.resolution {
@@ -195,7 +194,7 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
         scene.max_bounces = root.key("max_bounces").bounces(bounces)?;
     }
     if let Some(camera) = &file.camera {
-        scene.camera = camera_of(&root.key("camera"), camera, &scene, Some(scene.camera))?;
+        scene.camera = self::camera(&root.key("camera"), camera, &scene, Some(scene.camera))?;
     }
     let view = View {
         scene: file.scene,
@@ -213,7 +212,7 @@ pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) ->
     Ok(Loaded { scene, view: Some(view), read: None })
 }
 
-/// The keyframes, whose cameras take from the scene's own what they leave out.
+/// Converts keyframes. Missing keys of their cameras are those of the scene's camera.
 fn path(place: &JsonPath, files: &[KeyframeFile], scene: &Scene) -> Result<CameraPath, SceneError> {
     let mut keyframes: Vec<Keyframe> = Vec::with_capacity(files.len());
     for (index, file) in files.iter().enumerate() {
@@ -222,14 +221,14 @@ fn path(place: &JsonPath, files: &[KeyframeFile], scene: &Scene) -> Result<Camer
             let what = format!("frame {} comes after a frame that is not before it", file.frame);
             return Err(place.key("frame").error(what, "write the keyframes in ascending order"));
         }
-        let camera = camera_of(&place.key("camera"), &file.camera, scene, Some(scene.camera))?;
+        let camera = camera(&place.key("camera"), &file.camera, scene, Some(scene.camera))?;
         keyframes.push(Keyframe { frame: file.frame, camera });
     }
     Ok(CameraPath::new(keyframes))
 }
 
-/// An error about the value of `key` in the `render` object of the view that the scene was loaded through.
-/// Reads the file again to find the line.
+/// Makes an error about the value of `key` in the `render` object of the view that the scene was loaded
+/// through. Reads the file again to find the line.
 pub fn view_fault(scene: &Scene, key: &str, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
     let file = scene.files.first().map_or(Path::new(""), |file| file);
     let text = fs::read_to_string(file).unwrap_or_default();

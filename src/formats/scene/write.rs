@@ -1,12 +1,12 @@
-//! Writes numbers, points, vectors, cameras and relative paths for the native formats. A number reads back as
-//! the same bits.
+//! Writes numbers, points, vectors, cameras and relative paths for the native formats. Numbers read back as the
+//! same bits.
 
 use super::camera_path::Keyframe;
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::{Camera, Coordinates};
 use std::path::Path;
 
-/// The file's point that reads back as this point of a scene, with the fewest digits.
+/// Returns the file's point, with the fewest digits, that reads back as this point of a scene.
 pub fn point_in_file(point: Vec3, coordinates: &Coordinates) -> DVec3 {
     let exact = coordinates.to_file(point.into()).to_array();
     DVec3::from_array(std::array::from_fn(|axis| {
@@ -18,7 +18,7 @@ pub fn point_in_file(point: Vec3, coordinates: &Coordinates) -> DVec3 {
         if reads_back(&0.0) {
             return 0.0;
         }
-        // With more digits a number is as near, or nearer.
+        // With more digits, a number is as near or nearer.
         let all: [usize; 17] = std::array::from_fn(|digits| digits);
         let fewest = all.partition_point(|&digits| !reads_back(&rounded(digits)));
         Some(rounded(fewest)).filter(reads_back).unwrap_or(exact[axis])
@@ -35,7 +35,7 @@ pub fn camera(camera: &Camera, coordinates: &Coordinates) -> String {
     )
 }
 
-/// As a view writes them: one a line, for an object that is indented by two spaces.
+/// Writes keyframes one a line, for an object that is indented by two spaces.
 pub fn keyframes(keyframes: &[Keyframe], coordinates: &Coordinates) -> String {
     let line = |key: &Keyframe| {
         format!("    {{ \"frame\": {}, \"camera\": {} }}", key.frame, camera(&key.camera, coordinates))
@@ -43,7 +43,7 @@ pub fn keyframes(keyframes: &[Keyframe], coordinates: &Coordinates) -> String {
     format!("[\n{}\n  ]", keyframes.iter().map(line).collect::<Vec<_>>().join(",\n"))
 }
 
-/// A point of a scene, in the coordinates of the file.
+/// Writes a point of a scene in the coordinates of the file.
 pub fn placed(p: Vec3, coordinates: &Coordinates) -> String {
     let [x, y, z] = point_in_file(p, coordinates).to_array().map(|x| json_digits(x.abs() >= 1e16, &x));
     format!("[{x}, {y}, {z}]")
@@ -57,8 +57,8 @@ pub fn vec2(v: Vec2) -> String {
     format!("[{}, {}]", number(v.x), number(v.y))
 }
 
-/// The shortest decimal that reads back as the same bits. Reading goes through f64, so the shortest decimal
-/// of an f32 could in principle round twice; then the f64's digits are written.
+/// Writes the shortest decimal that reads back as the same bits. Numbers are read as f64, so that the shortest
+/// decimal of an f32 could round twice; in that case the digits of the f64 are written.
 pub fn number(x: f32) -> String {
     let short = json_digits(f64::from(x).abs() >= 1e16, &x);
     let read_back = short.parse::<f64>().map(|read| read as f32);
@@ -69,17 +69,17 @@ pub fn number(x: f32) -> String {
     }
 }
 
-/// `{:e}` keeps huge numbers short; JSON reads both forms.
+/// Writes a number, in the form of `{:e}` if it is huge. JSON has both forms.
 fn json_digits<T: std::fmt::Display + std::fmt::LowerExp>(huge: bool, x: &T) -> String {
     if huge { format!("{x:e}") } else { format!("{x}") }
 }
 
-/// The path from `folder` to a file that `beside`, another folder, names `file`.
+/// Returns the path, relative to `folder`, of the file at `file` relative to another folder, `beside`.
 pub fn relative(beside: &Path, file: &str, folder: &Path) -> String {
     // Joined with a dot, an empty path becomes the working directory.
     let folders = [beside, folder].map(|folder| folder.join("."));
-    // Only canonical paths can be compared: `a/../b` is `b` unless `a` is a link. A folder that does not
-    // exist has none.
+    // Only canonical paths can be compared, as `a/../b` is `b` unless `a` is a link. A folder that does not
+    // exist has no canonical path.
     let real = folders.each_ref().map(|folder| folder.canonicalize());
     let [beside, folder] = match real {
         [Ok(beside), Ok(folder)] => [beside, folder],

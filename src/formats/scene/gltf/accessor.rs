@@ -1,4 +1,4 @@
-//! Accessors: numbers in buffers, of any component type, interleaved, normalised or sparse.
+//! Reads accessors: numbers in buffers, of any component type, interleaved, normalised or sparse.
 
 use super::super::error::SceneError;
 use super::super::json::JsonPath;
@@ -16,19 +16,19 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// The first components of an element. Domain: the element exists and has that many.
-    pub fn at<const N: usize>(&self, element: usize) -> [f64; N] {
+    /// Returns the first components of an element. Domain: the element exists and has that many.
+    pub fn element<const N: usize>(&self, element: usize) -> [f64; N] {
         let start = element * self.components;
         std::array::from_fn(|component| self.values[start + component])
     }
 }
 
-/// A file's accessors, each read once.
+/// A file's accessors, each of which is read once.
 pub struct Accessors<'a> {
     pub document: &'a Document<'a>,
     read: HashMap<usize, Rc<Numbers>>,
-    /// Numbers that may still be read: more than a file with any use needs, so that accessors that overlap,
-    /// or that have no data, cannot take more memory than the file's size accounts for.
+    /// Number of numbers that may still be read. It bounds the memory of accessors that overlap or have no
+    /// data by the size of the file, and is more than a useful file needs.
     left: usize,
 }
 
@@ -37,7 +37,7 @@ impl<'a> Accessors<'a> {
         Self { document, read: HashMap::new(), left: 1024 + 8 * bytes::total(document.buffers) }
     }
 
-    /// The values of a vertex attribute, which has one of these numbers of components.
+    /// Reads the values of a vertex attribute, which must have one of these numbers of components.
     pub fn vertices(
         &mut self,
         index: usize,
@@ -56,7 +56,7 @@ impl<'a> Accessors<'a> {
         Ok(numbers)
     }
 
-    /// Indices of vertices.
+    /// Reads indices of vertices.
     pub fn indices(&mut self, index: usize, place: &JsonPath) -> Result<Rc<Numbers>, SceneError> {
         let numbers = self.numbers(index, place)?;
         let whole = |value: &f64| *value >= 0.0 && value.fract() == 0.0;
@@ -78,8 +78,8 @@ impl<'a> Accessors<'a> {
         Ok(numbers)
     }
 
-    /// Takes from the numbers that may still be read.
-    fn take(&mut self, count: usize, components: usize, place: &JsonPath) -> Result<usize, SceneError> {
+    /// Returns how many numbers so many elements have, and subtracts it from those that may still be read.
+    fn reserve(&mut self, count: usize, components: usize, place: &JsonPath) -> Result<usize, SceneError> {
         let length = count.checked_mul(components).filter(|&length| length <= self.left);
         self.left -= length.unwrap_or(0);
         length.ok_or_else(|| broken(place, "the accessor has more elements than the file has bytes for"))
@@ -91,14 +91,14 @@ impl<'a> Accessors<'a> {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
-            // No attribute of a mesh is a matrix.
+            // Attributes of meshes are no matrices.
             other => {
                 let what = format!("a mesh has no numbers of the type `{other}`");
                 return Err(place.key("type").error(what, "write SCALAR, VEC2, VEC3 or VEC4"));
             }
         };
         let count = accessor.count.0;
-        let length = self.take(count, components, place)?;
+        let length = self.reserve(count, components, place)?;
         let layout = Layout::new(accessor.component_type, components, accessor.normalized, place)?;
         let mut values = match accessor.buffer_view {
             Some(view) => self.elements([view, accessor.byte_offset], count, layout, place)?,
@@ -107,11 +107,11 @@ impl<'a> Accessors<'a> {
         if let Some(sparse) = &accessor.sparse {
             let place = place.key("sparse");
             let count = sparse.count.0;
-            self.take(count, components + 1, &place)?;
+            self.reserve(count, components + 1, &place)?;
             let part = place.key("indices");
-            let of_indices = Layout::new(sparse.indices.component_type, 1, false, &part)?;
+            let index_layout = Layout::new(sparse.indices.component_type, 1, false, &part)?;
             let indices = [sparse.indices.buffer_view, sparse.indices.byte_offset];
-            let indices = self.elements(indices, count, of_indices, &part)?;
+            let indices = self.elements(indices, count, index_layout, &part)?;
             let replaced = [sparse.values.buffer_view, sparse.values.byte_offset];
             let replaced = self.elements(replaced, count, layout, &place.key("values"))?;
             for (&element, new) in indices.iter().zip(replaced.chunks_exact(components)) {
@@ -124,7 +124,7 @@ impl<'a> Accessors<'a> {
         Ok(Numbers { count, components, values })
     }
 
-    /// Elements of a buffer view, from a byte of it on.
+    /// Reads elements of a buffer view, from a byte of it on.
     fn elements(
         &self,
         [view, offset]: [Whole; 2],
@@ -142,7 +142,7 @@ impl<'a> Accessors<'a> {
                 format!("its elements of {size} bytes overlap: one begins every {stride} bytes"),
             ));
         }
-        // The last element needs no stride.
+        // The last element may be shorter than the stride.
         let needed = match count {
             0 => Some(0),
             _ => (count - 1).checked_mul(stride).and_then(|bytes| bytes.checked_add(size)),
@@ -157,7 +157,7 @@ impl<'a> Accessors<'a> {
     }
 }
 
-/// How an element is stored.
+/// The storage of an element.
 #[derive(Clone, Copy)]
 struct Layout {
     scalar: Scalar,
@@ -187,7 +187,7 @@ impl Layout {
         };
         Ok(Self { scalar: Scalar { kind, bytes }, components, normalized: normalized && kind != Kind::Real })
     }
-    /// Bytes of an element.
+    /// Returns the number of bytes of an element.
     fn size(self) -> usize {
         self.components * self.scalar.bytes
     }

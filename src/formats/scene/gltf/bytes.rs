@@ -1,4 +1,4 @@
-//! The bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
+//! Reads the bytes of a glTF file: its JSON and binary parts, its buffers, data URIs.
 
 use super::super::error::SceneError;
 use super::super::faults::fault;
@@ -17,17 +17,17 @@ use std::rc::Rc;
 
 const EXPORT_AGAIN: &str = "export the model again";
 
-/// An error about a value that no person writes.
+/// Makes an error about a value that no person writes.
 pub fn broken(place: &JsonPath, what: impl Into<String>) -> SceneError {
     place.error(what, EXPORT_AGAIN)
 }
 
-/// The JSON text, and the binary part of a .glb file, of which all lengths are checked.
+/// Splits a file into its JSON text and, of a .glb file, its binary part. All lengths are checked.
 pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a [u8]>), SceneError> {
     let refused = |what: String| SceneError::new(what).in_file(path).mend(EXPORT_AGAIN);
     let text = |bytes: &'a [u8], what: &str| {
         let text = std::str::from_utf8(bytes).map_err(|_| refused(what.into()))?;
-        // Some writers fill the chunk with zeros.
+        // Some programs fill the chunk with zeros.
         Ok(text.trim_start_matches('\u{feff}').trim_end_matches('\0'))
     };
     if !content.starts_with(b"glTF") {
@@ -60,7 +60,7 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
         match &kind.to_le_bytes() {
             b"JSON" if json.is_none() => json = Some(text(chunk, "the JSON is not UTF-8")?),
             b"BIN\0" if binary.is_none() => binary = Some(chunk),
-            // Others are to be skipped.
+            // The standard demands that other chunks are skipped.
             _ => {}
         }
         at += 8 + chunk.len();
@@ -71,14 +71,14 @@ pub fn split<'a>(content: &'a [u8], path: &Path) -> Result<(&'a str, Option<&'a 
 /// The content of a buffer. Buffers of the same file share it.
 pub type Content = Rc<[u8]>;
 
-/// The bytes of all buffers, each file counted once.
+/// Returns the number of bytes of all buffers, with each file counted once.
 pub fn total(buffers: &[Result<Content, String>]) -> usize {
     let mut seen = HashSet::new();
     let contents = buffers.iter().flatten();
     contents.filter(|content| seen.insert(Rc::as_ptr(content))).map(|content| content.len()).sum()
 }
 
-/// Reads the content of every buffer; of one without, the reason.
+/// Reads the content of every buffer, or the reason why there is none.
 pub fn buffers(
     root: &Root,
     binary: Option<&[u8]>,
@@ -115,18 +115,18 @@ impl Document<'_> {
         index: usize,
         user: &JsonPath,
     ) -> Result<&'l T, SceneError> {
-        list.at(index).ok_or_else(|| {
+        list.get(index).ok_or_else(|| {
             let missing = || broken(user, format!("there is no `{name}[{index}]`"));
             fault::<T>(&self.source.root().key(name).item(index)).unwrap_or_else(missing)
         })
     }
-    /// Returns a buffer view and its bytes, or what is wrong.
+    /// Returns a buffer view and its bytes, or its fault.
     pub fn view(&self, index: usize) -> Result<(&View, &[u8]), String> {
         let broken = |what: &str| format!("`{what}` is missing, or not as glTF has it");
         let view =
-            self.root.buffer_views.at(index).ok_or_else(|| broken(&format!("bufferViews[{index}]")))?;
+            self.root.buffer_views.get(index).ok_or_else(|| broken(&format!("bufferViews[{index}]")))?;
         let name = format!("buffers[{}]", view.buffer.0);
-        let buffer = self.root.buffers.at(view.buffer.0).ok_or_else(|| broken(&name))?;
+        let buffer = self.root.buffers.get(view.buffer.0).ok_or_else(|| broken(&name))?;
         let content = self.buffers[view.buffer.0].as_ref().map_err(|why| format!("`{name}.uri`: {why}"))?;
         if content.len() < buffer.byte_length.0 {
             return Err(format!("`{name}` has {} bytes, not {}", content.len(), buffer.byte_length.0));
@@ -136,7 +136,7 @@ impl Document<'_> {
     }
 }
 
-/// The content that a URI names: a data URI, or a file beside the model.
+/// Reads the content of a URI: a data URI, or a file beside the model.
 pub fn from_uri(uri: &str, model: &Path, files: &Files) -> Result<Vec<u8>, String> {
     match data(uri) {
         Some(data) => decoded_data(data),
@@ -160,18 +160,18 @@ fn decoded_data(data: &str) -> Result<Vec<u8>, String> {
     if header.rsplit(';').next().is_none_or(|last| !last.trim().eq_ignore_ascii_case("base64")) {
         return Ok(bytes.into_owned());
     }
-    // Some writers break lines.
+    // Some programs break lines.
     let in_one_line = || bytes.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect::<Vec<_>>();
     let content = BASE64.decode(&bytes).or_else(|_| BASE64.decode(in_one_line()));
     content.map_err(|_| "a data URI is not base64".to_string())
 }
 
-/// Percent-encoded bytes decoded.
+/// Decodes percent-encoded bytes.
 pub fn decoded(uri: &str) -> String {
     percent_decode_str(uri).decode_utf8().map_or(uri.to_string(), Cow::into_owned)
 }
 
-/// Base64; padding may be missing.
+/// Base64, whose padding may be missing.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),

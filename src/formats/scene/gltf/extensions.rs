@@ -1,4 +1,4 @@
-//! Extensions: which are read, and notes about all others.
+//! Names the extensions that are read, and notes all others.
 
 use super::super::json::{JsonPath, Source};
 use super::super::notes::Notes;
@@ -19,19 +19,19 @@ pub const READ: [&str; 7] = [
 pub const COMPRESSIONS: [&str; 3] =
     ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Notes the extensions that are not read, wherever they stand; those of materials and images only if the
-/// model has its `own` materials.
+/// Notes the extensions that are not read; those of materials and images only if the model has its `own`
+/// materials.
 pub fn note_ignored(source: &Source, own: bool, notes: &mut Notes) {
     let Ok(mut root) = serde_json::from_str::<Value>(source.text) else { return };
-    let of_materials = ["materials", "textures", "images", "samplers"];
+    let material_keys = ["materials", "textures", "images", "samplers"];
     if let Some(root) = root.as_object_mut() {
         // Animations are left out as a whole.
-        root.retain(|key, _| key != "animations" && (own || !of_materials.contains(&key.as_str())));
+        root.retain(|key, _| key != "animations" && (own || !material_keys.contains(&key.as_str())));
     }
     visit(&source.root(), &root, notes);
 }
 
-/// The parts of a value come first: they say more of where an extension is than the lists of the file.
+/// Visits the extensions of a value's parts, and then those of the value: the places of parts are more precise.
 fn visit(place: &JsonPath, value: &Value, notes: &mut Notes) {
     let is_other = |(key, _): &(&String, &Value)| *key != "extensions" && *key != "extras";
     match value {

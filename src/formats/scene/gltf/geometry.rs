@@ -1,7 +1,7 @@
-//! The triangles of a primitive, and their way into the scene.
+//! Reads the geometry of primitives, and adds their triangles to the scene.
 
 use super::super::builder::{Attributes, SceneBuilder};
-use super::super::check::fits;
+use super::super::check::is_within_bounds;
 use super::super::error::SceneError;
 use super::super::json::JsonPath;
 use super::super::mesh::{Tally, Unusable};
@@ -14,11 +14,12 @@ use super::schema::{Lenient, Primitive};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use std::rc::Rc;
 
-/// Modes of primitives. The third one of triangles is a strip.
+/// The mode of primitives that are lists of triangles. The next one is that of strips.
 const LIST: usize = 4;
+/// The mode of primitives that are fans.
 const FAN: usize = 6;
 
-/// The numbers of one primitive; primitives and nodes share them.
+/// The numbers of one primitive, shared by primitives and nodes.
 pub struct Geometry {
     positions: Rc<Numbers>,
     normals: Option<Rc<Numbers>>,
@@ -30,7 +31,7 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Notes which of the vertices' attributes the material cannot use, and which it lacks.
+    /// Notes the attributes of vertices that the material cannot use, and those that it lacks.
     pub fn note_unused(&self, material: u32, place: &JsonPath, builder: &mut SceneBuilder) {
         let is_textured = builder.scene.materials[material as usize].textures().next().is_some();
         if self.has_tangents && builder.scene.materials[material as usize].normal_map.is_some() {
@@ -46,28 +47,32 @@ impl Geometry {
             builder.notes.add(place, "vertex colours are left out, as the material has textures");
         }
     }
-    /// The colour of all vertices, if it is one. Then the material can have it, and any textures too.
-    pub fn take_only_color(&mut self) -> Option<Vec3> {
-        let colors =
-            self.colors.take_if(|colors| (1..colors.count).all(|at| colors.at::<3>(at) == colors.at(0)))?;
-        let color = (colors.count > 0).then(|| DVec3::from_array(colors.at(0)).as_vec3())?;
-        Some(color.clamp(Vec3::ZERO, Vec3::ONE)).filter(|color| *color != Vec3::ONE)
+    /// Removes the vertex colours if all vertices have the same colour, and returns it unless it is white. The
+    /// material can have such a colour and textures too.
+    pub fn take_uniform_color(&mut self) -> Option<Vec3> {
+        let is_uniform = |colors: &mut Rc<Numbers>| {
+            (1..colors.count).all(|vertex| colors.element::<3>(vertex) == colors.element(0))
+        };
+        let colors = self.colors.take_if(is_uniform)?;
+        let color = (colors.count > 0).then(|| color(&colors, 0))?;
+        Some(color).filter(|color| *color != Vec3::ONE)
     }
-    /// Those of all vertices.
+    /// Returns the positions of all vertices.
     pub fn points(&self) -> impl Iterator<Item = DVec3> + Clone {
-        (0..self.positions.count).map(|at| DVec3::from_array(self.positions.at(at)))
+        (0..self.positions.count).map(|vertex| DVec3::from_array(self.positions.element(vertex)))
     }
-    /// The number of corners.
+    /// Returns the number of corners.
     fn corners(&self) -> usize {
         self.indices.as_ref().map_or(self.positions.count, |indices| indices.count)
     }
+    /// Returns the number of triangles.
     pub fn triangles(&self) -> usize {
         match self.mode {
             LIST => self.corners() / 3,
             _ => self.corners().saturating_sub(2),
         }
     }
-    /// The vertices of a triangle, in the order that makes its front counter-clockwise.
+    /// Returns the vertices of a triangle, counter-clockwise as seen from its front.
     fn triangle(&self, number: usize) -> [usize; 3] {
         let corners = match self.mode {
             LIST => [3 * number, 3 * number + 1, 3 * number + 2],
@@ -76,12 +81,17 @@ impl Geometry {
             _ => [number + 1, number, number + 2],
         };
         let indices = self.indices.as_ref();
-        corners.map(|corner| indices.map_or(corner, |indices| indices.at::<1>(corner)[0] as usize))
+        corners.map(|corner| indices.map_or(corner, |indices| indices.element::<1>(corner)[0] as usize))
     }
 }
 
-/// Returns the numbers of a primitive; `None`, with a note, where it is not made of triangles. Texture
-/// coordinates are those of this `set`, if any.
+/// Returns the colour of a vertex within [0, 1].
+fn color(colors: &Numbers, vertex: usize) -> Vec3 {
+    DVec3::from_array(colors.element(vertex)).as_vec3().clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+/// Reads the numbers of a primitive; `None`, with a note, if it is not made of triangles. Texture coordinates
+/// are those of this `set`, if any.
 pub fn read(
     accessors: &mut Accessors,
     primitive: &Primitive,
@@ -130,17 +140,18 @@ pub fn read(
     Ok(Some(Geometry { positions, normals, uvs, colors, indices, mode, has_tangents }))
 }
 
-/// From a mesh's coordinates to the scene's.
+/// A transform of a mesh's coordinates to the scene's.
 pub struct Transform {
     matrix: DMat4,
-    /// The inverse transpose; `None` where there is none.
-    of_normals: Option<DMat3>,
-    /// Mirrors, so that the order of vertices turns round.
+    /// The transform of normals: the inverse transpose, if there is one.
+    normal_matrix: Option<DMat3>,
+    /// Whether it mirrors, which reverses the order of a triangle's vertices.
     mirrors: bool,
 }
 
 impl Transform {
-    pub fn of(node: &DMat4, placement: &Placement) -> Self {
+    /// Combines the transform of a node with the placement of the model.
+    pub fn new(node: &DMat4, placement: &Placement) -> Self {
         let linear = placement.rotation * DMat3::from_diagonal(DVec3::splat(placement.scale));
         let placed = DMat4::from_mat3(linear);
         let matrix = DMat4::from_translation(placement.translate) * placed * *node;
@@ -148,9 +159,10 @@ impl Transform {
         let determinant = linear.determinant();
         let inverse = linear.inverse().transpose();
         let invertible = determinant != 0.0 && inverse.is_finite();
-        Self { matrix, of_normals: invertible.then_some(inverse), mirrors: determinant < 0.0 }
+        Self { matrix, normal_matrix: invertible.then_some(inverse), mirrors: determinant < 0.0 }
     }
 
+    /// Adds the triangles of a primitive to the builder.
     pub fn add(
         &self,
         geometry: &Geometry,
@@ -164,24 +176,21 @@ impl Transform {
                 corners.swap(1, 2);
             }
             let points = corners.map(|corner| {
-                let point = DVec3::from_array(geometry.positions.at(corner));
+                let point = DVec3::from_array(geometry.positions.element(corner));
                 self.matrix.transform_point3(point)
             });
-            let normals = geometry.normals.as_ref().zip(self.of_normals).map(|(normals, of_normals)| {
+            let normals = geometry.normals.as_ref().zip(self.normal_matrix).map(|(normals, matrix)| {
                 corners.map(|corner| {
-                    let normal = of_normals * DVec3::from_array(normals.at(corner));
+                    let normal = matrix * DVec3::from_array(normals.element(corner));
                     normal.normalize_or_zero().as_vec3()
                 })
             });
-            let colors = geometry.colors.as_ref().map(|colors| {
-                corners.map(|corner| {
-                    let color = DVec3::from_array(colors.at(corner)).as_vec3();
-                    color.clamp(Vec3::ZERO, Vec3::ONE)
-                })
-            });
+            let colors = geometry.colors.as_ref();
+            let colors = colors.map(|colors| corners.map(|corner| color(colors, corner)));
+            let uvs = geometry.uvs.as_ref();
+            let uvs = uvs.map(|uvs| corners.map(|corner| material.uv_map.apply(uvs.element(corner))));
             let uvs =
-                geometry.uvs.as_ref().map(|uvs| corners.map(|corner| material.uv_map.apply(uvs.at(corner))));
-            let uvs = uvs.filter(|uvs| uvs.iter().all(|uv| uv.is_finite() && fits(uv.length().into())));
+                uvs.filter(|uvs| uvs.iter().all(|uv| uv.is_finite() && is_within_bounds(uv.length().into())));
             let attributes = Attributes { uvs: uvs.or(Some([Vec2::ZERO; 3])), normals, colors };
             tally.add(points, material.number, attributes, builder)?;
         }

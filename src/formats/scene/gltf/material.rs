@@ -1,15 +1,15 @@
-//! glTF materials: metallic-roughness, emission, transmission.
+//! Converts glTF materials: metallic-roughness, emission, transmission.
 //!
 //! | glTF | octray |
 //! |---|---|
 //! | metallic-roughness, `KHR_materials_ior` | metal-rough |
-//! | `KHR_materials_transmission` above a half, metallic taken off | thin glass of that index and the base colour |
-//! | the same with a thickness in `KHR_materials_volume` | glass; its colour is √ base colour, as light enters and leaves |
+//! | `KHR_materials_transmission` · (1 − metallic) above a half | thin glass of that index and the base colour |
+//! | also a thickness in `KHR_materials_volume` | glass; its colour is √ base colour, as light enters and leaves |
 //! | emissive factor, texture, `KHR_materials_emissive_strength` | emission and its map |
 //! | `KHR_materials_unlit` | an emitter of the base colour |
 //!
-//! A triangle has one pair of texture coordinates, so all textures of a material use the set and the
-//! transform of its first texture; others are left out with a warning, unless they have the same.
+//! A vertex has one pair of texture coordinates, so all textures of a material use the set and the transform
+//! of its first texture. Textures with others are left out with a warning.
 
 use super::super::builder::SceneBuilder;
 use super::super::error::SceneError;
@@ -22,10 +22,10 @@ use glam::Vec3;
 use octray_engine::scene::{Material, MaterialKind, TexelKind};
 use std::collections::HashMap;
 
-/// A material that transmits more than this is glass.
+/// Share of transmitted light above which a material is glass.
 const CLEAR: f64 = 0.5;
 
-/// The textures of a material: of colour, of roughness and metallic, of normals, of emission.
+/// Returns the textures of a material: those of colour, of roughness and metallic, of normals, of emission.
 fn references(file: &MaterialFile) -> [Option<Reference>; 4] {
     let pbr = &file.pbr_metallic_roughness;
     let all = [
@@ -39,16 +39,16 @@ fn references(file: &MaterialFile) -> [Option<Reference>; 4] {
 
 /// Returns the set of texture coordinates that a primitive's material uses, if it has textures.
 pub fn uv_set(primitive: &Primitive, root: &Root) -> Option<usize> {
-    let file = root.materials.at(primitive.material?.0)?;
+    let file = root.materials.get(primitive.material?.0)?;
     references(file).into_iter().flatten().next().map(|first| first.set)
 }
 
 /// A file's materials, each added to the builder once.
 pub struct Materials<'a> {
     document: &'a Document<'a>,
-    /// By the index in the file; `None` is the default material.
+    /// The added materials by their indices in the file; `None` is the default material.
     added: HashMap<Option<usize>, Added>,
-    /// Of images that decide what a whole material is, by their indices.
+    /// The ranges of images that determine the kind of a whole material, by their indices.
     ranges: HashMap<Option<usize>, Option<[Range; 3]>>,
 }
 
@@ -63,7 +63,7 @@ pub struct Added {
 /// The transmission of a whole surface.
 #[derive(Default)]
 struct Transmission {
-    /// The mean share of light that it transmits instead of scattering it below the surface.
+    /// The mean share of light below the surface that is transmitted and not scattered.
     share: f64,
     /// Whether textures vary the share.
     varies: bool,
@@ -78,8 +78,8 @@ impl<'a> Materials<'a> {
         Self { document, added: HashMap::new(), ranges: HashMap::new() }
     }
 
-    /// The material of a primitive.
-    pub fn of(
+    /// Returns the material of a primitive, after adding it at its first use.
+    pub fn get(
         &mut self,
         primitive: &Primitive,
         place: &JsonPath,
@@ -105,7 +105,7 @@ impl<'a> Materials<'a> {
         Ok(added)
     }
 
-    /// Returns what factors and textures make of a material's transmission.
+    /// Computes a material's transmission from its factors and textures.
     fn transmission(
         &mut self,
         file: &MaterialFile,
@@ -118,7 +118,7 @@ impl<'a> Materials<'a> {
         }
         let mut ranges = |info: &Option<TextureInfo>| {
             let texture = info.as_ref()?.index.0;
-            let image = self.document.root.textures.at(texture).and_then(|file| Some(file.source?.0));
+            let image = self.document.root.textures.get(texture).and_then(|file| Some(file.source?.0));
             let read = || texture::ranges(self.document, texture, place, builder);
             *self.ranges.entry(image).or_insert_with(read)
         };
@@ -156,7 +156,7 @@ impl<'a> Materials<'a> {
             }
             texture::load(self.document, reference.texture, kind, slopes, &place, builder)
         };
-        // Its colour is not that of the texture, but the square root.
+        // The colour of glass is the square root of the base colour, which no texture here can be.
         let is_glass = matches!(material.kind, MaterialKind::Glass { .. });
         material.texture = load("pbrMetallicRoughness", color.filter(|_| !is_glass), TexelKind::Color, None);
         if material.kind.has_roughness() {
@@ -180,7 +180,7 @@ fn fraction(factor: Option<f64>) -> f32 {
     factor.unwrap_or(1.0).clamp(0.0, 1.0) as f32
 }
 
-/// The material without its textures.
+/// Returns the material without its textures.
 fn plain(file: &MaterialFile, name: String, transmission: &Transmission) -> Material {
     let (pbr, extensions) = (&file.pbr_metallic_roughness, &file.extensions);
     let [r, g, b, _] = pbr.base_color_factor.unwrap_or([1.0; 4]).map(|x| fraction(Some(x)));
@@ -188,7 +188,7 @@ fn plain(file: &MaterialFile, name: String, transmission: &Transmission) -> Mate
     let strength = extensions.emissive_strength.emissive_strength.unwrap_or(1.0).clamp(0.0, 1e9) as f32;
     let factor = file.emissive_factor.unwrap_or_default().map(|x| x.clamp(0.0, 1e9) as f32);
     let emitted = Vec3::from_array(factor) * strength;
-    // 0 stands for a dielectric that reflects everything.
+    // An `ior` of 0 stands for a dielectric that reflects everything.
     let ior = match extensions.ior.ior.unwrap_or(1.5) {
         0.0 => 1e6,
         ior => ior.clamp(1.0, 1e6),
@@ -207,7 +207,7 @@ fn plain(file: &MaterialFile, name: String, transmission: &Transmission) -> Mate
     Material { emission, ..Material::new(name, kind, color) }
 }
 
-/// Notes what of a material is left out.
+/// Notes the parts of a material that are left out.
 fn note_ignored(
     file: &MaterialFile,
     kind: MaterialKind,
@@ -222,7 +222,7 @@ fn note_ignored(
         }
         _ => {}
     }
-    // Of an unlit material the standard ignores the rest too.
+    // The standard ignores the rest of an unlit material too.
     if kind == MaterialKind::Emitter {
         return;
     }

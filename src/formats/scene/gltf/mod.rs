@@ -1,12 +1,11 @@
-//! glTF 2.0: from a file to the triangles, materials and camera of a scene.
+//! Reads the triangles, materials and camera of a scene from a glTF 2.0 file.
 //!
-//! Meshes are copied to every node that shows them, because the hierarchy is flat: instances share the
-//! numbers read from the file while it is loaded, and their materials and textures, but no triangles. A file
-//! may be hostile: no number in it is used as an index or a size before it is checked, nodes are visited
-//! once, and [`MAX_COPIES`] bounds what copies add up to.
+//! Meshes are copied to every node that shows them, because the hierarchy is flat. Instances share the numbers
+//! read from the file, materials and textures, but no triangles. A file may be hostile: no number in it is
+//! used as an index or a size before it is checked, nodes are visited once, and [`MAX_COPIES`] bounds the
+//! number of copied triangles.
 //!
-//! What nobody reads is no fault: lists hold their entries as far as these are as the standard has them, and
-//! a fault is told where an entry is used.
+//! Entries of lists that do not follow the standard are faults only if they are used.
 
 mod accessor;
 mod bytes;
@@ -29,13 +28,13 @@ use bytes::Document;
 use geometry::{Geometry, Transform};
 use glam::DVec4;
 use material::{Added, Materials};
-use octray_engine::scene::{Camera, Material, MaterialKind};
+use octray_engine::scene::{Camera, MaterialKind};
 use schema::Root;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
 
-/// A glTF file, read. Its geometry is checked by [`Gltf::add`].
+/// A glTF file whose geometry [`Gltf::add`] checks.
 pub struct Gltf {
     root: Root,
     /// The text of the JSON part, for messages.
@@ -97,37 +96,7 @@ impl Gltf {
             let parts = match meshes.entry(mesh) {
                 Entry::Occupied(known) => known.into_mut(),
                 Entry::Vacant(new) => {
-                    let mut parts = Vec::new();
-                    let list = place.key("meshes");
-                    let of_mesh = list.item(mesh);
-                    let file = document.get(&self.root.meshes, "meshes", mesh, &place)?;
-                    for (index, primitive) in file.primitives.iter().enumerate() {
-                        let primitives = of_mesh.key("primitives");
-                        let place = primitives.item(index);
-                        let set = material::uv_set(primitive, &self.root).or(material.map(|_| 0));
-                        let read =
-                            geometry::read(&mut accessors, primitive, set, &place, &mut builder.notes)?;
-                        let Some(mut geometry) = read else { continue };
-                        let own = match material {
-                            Some(number) => Added { number, uv_map: Default::default() },
-                            None => {
-                                let mut own = materials.of(primitive, &place, builder)?;
-                                if let Some(color) = geometry.take_only_color() {
-                                    let plain = builder.scene.materials[own.number as usize].clone();
-                                    let (of, light) = (plain.color * color, plain.emission * color);
-                                    let tinted = match plain.kind {
-                                        MaterialKind::Emitter => Material { emission: light, ..plain },
-                                        _ => Material { color: of, ..plain },
-                                    };
-                                    own.number = builder.add_material(tinted, 1.0);
-                                }
-                                geometry.note_unused(own.number, &place, builder);
-                                own
-                            }
-                        };
-                        parts.push((own, geometry));
-                    }
-                    new.insert(parts)
+                    new.insert(self.parts(mesh, material, &mut accessors, &mut materials, builder)?)
                 }
             };
             triangles += parts.iter().map(|(_, geometry)| geometry.triangles()).sum::<usize>();
@@ -148,12 +117,50 @@ impl Gltf {
         let placement = &builder.within_scene(placement, points);
         let mut tally = Tally::default();
         for (mesh, transform) in &self.nodes.meshes {
-            let transform = Transform::of(transform, placement);
+            let transform = Transform::new(transform, placement);
             for (own, geometry) in &meshes[mesh] {
                 transform.add(geometry, *own, builder, &mut tally)?;
             }
         }
         tally.finish(path, builder)
+    }
+
+    /// Reads the primitives of a mesh, each with `material` or else with its own one.
+    fn parts(
+        &self,
+        mesh: usize,
+        material: Option<u32>,
+        accessors: &mut Accessors,
+        materials: &mut Materials,
+        builder: &mut SceneBuilder,
+    ) -> Result<Vec<(Added, Geometry)>, SceneError> {
+        let document = accessors.document;
+        let root = document.source.root();
+        let (meshes, mut parts) = (root.key("meshes"), Vec::new());
+        let (place, file) = (meshes.item(mesh), document.get(&self.root.meshes, "meshes", mesh, &root)?);
+        for (index, primitive) in file.primitives.iter().enumerate() {
+            let primitives = place.key("primitives");
+            let place = primitives.item(index);
+            let set = material::uv_set(primitive, &self.root).or(material.map(|_| 0));
+            let read = geometry::read(accessors, primitive, set, &place, &mut builder.notes)?;
+            let Some(mut geometry) = read else { continue };
+            if let Some(number) = material {
+                parts.push((Added { number, uv_map: Default::default() }, geometry));
+                continue;
+            }
+            let mut own = materials.get(primitive, &place, builder)?;
+            if let Some(tint) = geometry.take_uniform_color() {
+                let mut tinted = builder.scene.materials[own.number as usize].clone();
+                match tinted.kind {
+                    MaterialKind::Emitter => tinted.emission *= tint,
+                    _ => tinted.color *= tint,
+                }
+                own.number = builder.add_material(tinted, 1.0);
+            }
+            geometry.note_unused(own.number, &place, builder);
+            parts.push((own, geometry));
+        }
+        Ok(parts)
     }
 
     /// Returns the model's first camera, if it is one that octray has, and the aspect ratio that it names.
@@ -174,7 +181,7 @@ impl Gltf {
         };
         let Some(perspective) = &camera.perspective else { return framed("is no perspective camera") };
         let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(|axis| (transform * axis).truncate());
-        // A point as far away as the model, so that a viewer turns around something.
+        // The point is as far away as the model, which sets the viewer's distances.
         let distance = (((lower + upper) / 2.0 - position).length()).max(1e-3 * position.length()).max(1e-6);
         let camera = Camera {
             position: position.as_vec3(),

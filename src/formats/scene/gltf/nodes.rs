@@ -1,4 +1,4 @@
-//! The tree of nodes, flattened: meshes and a camera with their transforms.
+//! Flattens the tree of nodes to meshes and a camera with their transforms.
 
 use super::super::error::SceneError;
 use super::super::notes::Notes;
@@ -6,18 +6,18 @@ use super::bytes::{Document, broken};
 use super::schema::Node;
 use glam::{DMat4, DQuat, DVec3};
 
-/// What the nodes of a scene show, in the coordinates of the file.
+/// The meshes and the camera of a scene's nodes, in the coordinates of the file.
 #[derive(Default)]
 pub struct Placed {
     /// Index of each mesh, which exists, and its transform.
     pub meshes: Vec<(usize, DMat4)>,
     /// Index of the first camera, and its transform.
     pub camera: Option<(usize, DMat4)>,
-    /// Those that have a skin.
+    /// Indices of the nodes with a skin.
     skinned: Vec<usize>,
 }
 
-/// Visits the nodes of the file's scene; without a scene, all nodes that are no node's child.
+/// Visits the nodes of the file's scene or, without a scene, all nodes that are no node's child.
 pub fn place(document: &Document) -> Result<Placed, SceneError> {
     let (root, place) = (document.root, document.source.root());
     let nodes = place.key("nodes");
@@ -39,13 +39,13 @@ pub fn place(document: &Document) -> Result<Placed, SceneError> {
             scene.nodes.iter().flatten().map(|node| node.0).collect()
         }
     };
-    // The first ones first.
+    // The last entry is visited next, so that the order of nodes is that of the file.
     let mut open: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
     let mut seen = vec![false; root.nodes.len()];
     let mut placed = Placed::default();
     while let Some((index, parent)) = open.pop() {
         let node = document.get(&root.nodes, "nodes", index, &nodes)?;
-        // A tree has neither; without this, children could be shared without end.
+        // A node with two parents is an error, as shared children could multiply without end.
         if std::mem::replace(&mut seen[index], true) {
             let what = format!("node {index} is the child of two nodes, or of itself");
             return Err(broken(&nodes.item(index), what));
@@ -67,6 +67,7 @@ pub fn place(document: &Document) -> Result<Placed, SceneError> {
     Ok(placed)
 }
 
+/// Returns the transform of a node relative to its parent.
 fn local(node: &Node) -> DMat4 {
     if let Some(matrix) = node.matrix {
         return DMat4::from_cols_array(&matrix);
@@ -84,7 +85,7 @@ fn local(node: &Node) -> DMat4 {
     )
 }
 
-/// Notes what of the file's nodes is left out.
+/// Notes the parts of the file's nodes that are left out.
 pub fn note_ignored(document: &Document, placed: &Placed, notes: &mut Notes) {
     let (root, place) = (document.root, document.source.root());
     for index in 0..root.animations.len() {

@@ -1,6 +1,7 @@
-//! The objects of a glTF file: what is read of them, in the form that the standard's schema gives it.
+//! Defines the objects of a glTF file, with the keys that are read, as in the standard's schema.
 //!
-//! What nobody reads may hold anything: keys that are not here, and entries of lists that are never used.
+//! Parts that are not read may have any content: keys that are not here, and entries of lists that are not
+//! used.
 
 use serde::de::{DeserializeOwned, Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
@@ -8,8 +9,7 @@ use serde_json::Number;
 use serde_json::value::RawValue;
 use std::collections::HashMap;
 
-/// What is read of a value; `None` where it is missing or not as the schema has it, which is no fault until
-/// it is used.
+/// A value; `None` if it is missing or does not follow the schema, which is no fault until it is used.
 pub struct Lenient<T>(pub Option<T>);
 
 impl<T> Default for Lenient<T> {
@@ -33,17 +33,17 @@ impl<T> List<T> {
     pub fn len(&self) -> usize {
         self.0.as_ref().map_or(0, Vec::len)
     }
-    /// Returns the entry of this index, if it is as the schema has it.
-    pub fn at(&self, index: usize) -> Option<&T> {
+    /// Returns the entry of this index, if it follows the schema.
+    pub fn get(&self, index: usize) -> Option<&T> {
         self.0.as_ref()?.get(index)?.0.as_ref()
     }
-    /// Returns all entries that are as the schema has them, with their indices.
+    /// Returns all entries that follow the schema, with their indices.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &T)> {
-        (0..self.len()).filter_map(|index| Some((index, self.at(index)?)))
+        (0..self.len()).filter_map(|index| Some((index, self.get(index)?)))
     }
 }
 
-/// An index, a size or a code: `24.0` is one too.
+/// A whole number: an index, a size or a code. It may be written as `24.0`.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub struct Whole(pub usize);
 
@@ -57,17 +57,17 @@ impl<'de> Deserialize<'de> for Whole {
     }
 }
 
-/// Objects with these keys, which have camel case in the file.
+/// Defines objects with these keys, which have camel case in the file.
 macro_rules! objects {
-    ($($(#[$of:meta])* $name:ident { $($(#[$of_key:meta])* $key:ident: $type:ty),* $(,)? })*) => { $(
+    ($($(#[$meta:meta])* $name:ident { $($(#[$key_meta:meta])* $key:ident: $type:ty),* $(,)? })*) => { $(
         #[derive(Deserialize)]
         #[serde(rename_all = "camelCase", expecting = "an object")]
-        $(#[$of])*
-        pub struct $name { $($(#[$of_key])* pub $key: $type),* }
+        $(#[$meta])*
+        pub struct $name { $($(#[$key_meta])* pub $key: $type),* }
     )* };
 }
 
-/// Objects of which every key is optional.
+/// Defines objects of which every key is optional.
 macro_rules! optional {
     ($($name:ident $keys:tt)*) => { objects! { $(#[derive(Default)] #[serde(default)] $name $keys)* } };
 }
@@ -139,7 +139,7 @@ objects! {
     Sparse { count: Whole, indices: SparsePart, values: SparsePart }
     SparsePart {
         buffer_view: Whole, #[serde(default)] byte_offset: Whole,
-        // Of indices alone.
+        // Only indices have it.
         #[serde(default)] component_type: Whole,
     }
     View {

@@ -1,4 +1,4 @@
-//! Textures of glTF materials: images, filters, and the transform of texture coordinates.
+//! Loads the textures of glTF materials: images, filters, and the transform of texture coordinates.
 
 use super::super::builder::SceneBuilder;
 use super::super::files::Files;
@@ -9,10 +9,10 @@ use super::schema::{Image, Texture, TextureInfo, TextureTransform, Whole};
 use glam::{DVec3, Vec2};
 use octray_engine::math::portable;
 use octray_engine::scene::{Filter, TexelKind, Texels};
-use std::path::Path;
 
 impl TextureTransform {
-    /// Scales, rotates and offsets glTF's texture coordinates, v downwards. Returns a scene's, v upwards.
+    /// Scales, rotates and offsets glTF's texture coordinates, with v downwards. Returns a scene's, with v
+    /// upwards.
     pub fn apply(&self, [u, v]: [f64; 2]) -> Vec2 {
         let (sin, cos) = portable::sin_cos(self.rotation);
         let ([scale_u, scale_v], [u0, v0]) = (self.scale.unwrap_or([1.0; 2]), self.offset);
@@ -28,7 +28,7 @@ pub struct Reference {
     pub texture: usize,
     /// The number of the set of texture coordinates.
     pub set: usize,
-    /// Without a set.
+    /// The transform, whose own set is not used.
     pub transform: TextureTransform,
 }
 
@@ -45,8 +45,8 @@ impl Reference {
 /// The least, the mean and the largest value of a channel.
 pub type Range = [f64; 3];
 
-/// Returns the ranges of a texture's channels, read as data; `None`, with a note, where it cannot be used.
-/// The scene does not keep it.
+/// Returns the ranges of a texture's channels, read as data; `None`, with a note, if it cannot be used. The
+/// scene does not keep the texture.
 pub fn ranges(
     document: &Document,
     texture: usize,
@@ -65,7 +65,7 @@ pub fn ranges(
     Some(ranges)
 }
 
-/// Loads a texture; `None`, with a note, where it cannot be used. A model's shape is visible without it. The
+/// Loads a texture; `None`, with a note, if it cannot be used, as a model's shape is visible without it. The
 /// slopes of a normal map are multiplied by `slopes`.
 pub fn load(
     document: &Document,
@@ -75,12 +75,12 @@ pub fn load(
     place: &JsonPath,
     builder: &mut SceneBuilder,
 ) -> Option<u32> {
-    let Some(file) = document.root.textures.at(texture) else {
+    let Some(file) = document.root.textures.get(texture) else {
         builder.notes.add(place, format!("there is no `textures[{texture}]`"));
         return None;
     };
     let root = document.source.root();
-    let image = file.source.and_then(|index| Some((index.0, document.root.images.at(index.0)?)));
+    let image = file.source.and_then(|index| Some((index.0, document.root.images.get(index.0)?)));
     let Some((index, image)) = image else {
         let what = "a texture without a PNG or JPEG image is left out";
         builder.notes.add(&root.key("textures").item(texture), what);
@@ -93,11 +93,7 @@ pub fn load(
     let files = textures.files.clone();
     let loaded = match &image.uri {
         Some(uri) if slopes.is_none() && bytes::data(uri).is_none() => {
-            let folder = model.parent().unwrap_or(Path::new(""));
-            files.find(&bytes::decoded(uri), [model; 2], |path| {
-                let shown = path.strip_prefix(folder).unwrap_or(path).to_string_lossy();
-                textures.load(path, &shown, filter, kind)
-            })
+            textures.find(&bytes::decoded(uri), [model; 2], filter, kind)
         }
         _ => {
             let name = model.file_name().unwrap_or_default().to_string_lossy();
@@ -107,11 +103,11 @@ pub fn load(
                 Some(scale) => scale_slopes(&texels, scale),
                 None => texels,
             };
-            let path = model.with_file_name(&name);
-            textures.load_from(|| content(document, image, &files), change, &path, &name, filter, kind)
+            let path = model.with_file_name(name);
+            textures.load_from(|| content(document, image, &files), change, &path, filter, kind)
         }
     };
-    // Colour spaces that images state, and alpha where a material is opaque, are to be ignored.
+    // The standard demands that colour profiles, and the alpha of opaque materials, are ignored.
     textures.left_out.truncate(known);
     if let Err(reason) = &loaded {
         builder.notes.add(&root.key("images").item(index), format!("the image is left out: {reason}"));
@@ -119,11 +115,11 @@ pub fn load(
     loaded.ok()
 }
 
-/// Notes what of the texture's sampler is left out.
+/// Returns the filter of a texture's sampler, and notes the parts of the sampler that are left out.
 fn filter(document: &Document, texture: &Texture, notes: &mut Notes) -> Filter {
     const REPEAT: usize = 10497;
     const NEAREST: usize = 9728;
-    let sampler = texture.sampler.and_then(|index| Some((index.0, document.root.samplers.at(index.0)?)));
+    let sampler = texture.sampler.and_then(|index| Some((index.0, document.root.samplers.get(index.0)?)));
     let Some((index, sampler)) = sampler else { return Filter::Bilinear };
     if [sampler.wrap_s, sampler.wrap_t].into_iter().flatten().any(|Whole(wrap)| wrap != REPEAT) {
         let what = "textures repeat here: clamping and mirroring are not read";
@@ -143,7 +139,7 @@ fn content(document: &Document, image: &Image, files: &Files) -> Result<Vec<u8>,
     }
 }
 
-/// A normal map with the slopes of its normals multiplied.
+/// Multiplies the slopes of a normal map.
 fn scale_slopes(texels: &Texels, scale: f32) -> Texels {
     let scaled = (0..texels.len()).map(|index| {
         let [x, y, z] = texels.linear(index).map(|channel| 2.0 * channel - 1.0);

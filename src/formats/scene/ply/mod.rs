@@ -1,20 +1,20 @@
-//! PLY: from a file of ASCII or either binary order to a mesh.
+//! Reads a mesh from a PLY file of ASCII or either binary order.
 //!
-//! Reads the elements `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v), `face` (a list
-//! `vertex_indices` or `vertex_index`, of any length; a list `texcoord`, the number of an image, `texnumber`;
-//! red, green, blue), `tristrips`, and the images that comments `TextureFile` name; others are noted.
-//! Colours are linear real numbers to 1, or display values (sRGB) to 255, 65,535 or the largest of their
-//! type: the largest of the file tells.
+//! The elements are `vertex` (x, y, z; nx, ny, nz; red, green, blue; s, t or u, v), `face` (a list
+//! `vertex_indices` or `vertex_index` of any length; a list `texcoord`; `texnumber`, the number of an image;
+//! red, green, blue), and `tristrips`. Comments `TextureFile` name the images. Other elements are noted.
+//! Colours are linear real numbers up to 1, or display values (sRGB) up to 255, 65,535 or the largest number
+//! of their type, whichever fits the largest colour of the file.
 //!
 //! No library is used: one (`ply-rs-bw`) needs a parser generator and makes a map of each element, the other
-//! (`serde-ply`) is at version 0.2. Here every count is checked against the bytes that are there, faults have
-//! their line and byte, and the type of a colour says whether it is a display value.
+//! (`serde-ply`) is at version 0.2. Here every count is checked against the bytes of the file, faults have
+//! their line and byte, and the type of a colour shows whether it is a display value.
 //!
 //! Source: G. Turk, "The PLY Polygon File Format", 1994.
 
 mod reader;
 
-use super::check::fits;
+use super::check::is_within_bounds;
 use super::error::SceneError;
 use super::mesh::{Corner, Face, Mesh, NONE};
 use super::scalar::Kind;
@@ -67,8 +67,9 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     Ok(mesh)
 }
 
-/// What a row of an element holds: a number of each property, the last one of a list.
+/// A row of an element.
 struct Row<'a> {
+    /// One number of each property: of a list, the last one.
     values: &'a [f64],
     /// The content of the list `vertex_indices`.
     corners: &'a [f64],
@@ -76,7 +77,7 @@ struct Row<'a> {
     uvs: &'a [f64],
 }
 
-/// Reads the rows of an element, and notes what `read` says of one.
+/// Reads the rows of an element, and adds the note that `read` returns about one.
 fn each_row(
     reader: &mut Reader,
     element: &Element,
@@ -105,7 +106,7 @@ fn each_row(
     Ok(())
 }
 
-/// Where the properties of these names are, each group if it is whole; notes all others.
+/// Returns the indices of the properties of these names, for each group that is complete. Notes all others.
 fn columns<const N: usize>(
     reader: &mut Reader,
     element: &Element,
@@ -146,7 +147,7 @@ fn read_vertices(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Res
         mesh.colors.extend(color.as_deref().map(|at| three(at, values).as_vec3()));
         mesh.uvs.extend(uv.as_ref().map(|at| finite([values[at[0]], values[at[1]]])));
         let mut further = [&normal, &color, &uv].into_iter().flatten().flatten();
-        let is_broken = further.any(|&at| !fits(values[at]));
+        let is_broken = further.any(|&at| !is_within_bounds(values[at]));
         is_broken.then_some("a normal, a colour or a texture coordinate that is no number is left out")
     })?;
     color.iter().for_each(|at| make_linear(element, at, &mut mesh.colors));
@@ -157,13 +158,13 @@ fn three(at: &[usize], values: &[f64]) -> DVec3 {
     DVec3::new(values[at[0]], values[at[1]], values[at[2]])
 }
 
-/// Texture coordinates; 0 where they are no number.
+/// Converts texture coordinates; 0 stands for those that are no number.
 fn finite(uv: [f64; 2]) -> Vec2 {
-    uv.map(|x| if fits(x) { x as f32 } else { 0.0 }).into()
+    uv.map(|x| if is_within_bounds(x) { x as f32 } else { 0.0 }).into()
 }
 
-/// The faces of a file, or the triangles of its strips. `uvs` gets the texture coordinates of corners that
-/// have their own.
+/// Reads the faces of a file, or the triangles of its strips. `uvs` receives the texture coordinates of
+/// corners.
 fn read_faces(
     mesh: &mut Mesh,
     uvs: &mut Vec<(usize, Vec2)>,
@@ -173,7 +174,7 @@ fn read_faces(
     let (is_strips, before) = (element.name == "tristrips", mesh.faces.len());
     let [color, image] = columns(reader, element, [COLOR, &[&["texnumber"]]]);
     mesh.colors_line = color.as_ref().map_or(mesh.colors_line, |at| element.properties[at[0]].line);
-    each_row(reader, element, |Row { values, corners, uvs: of_corners }| {
+    each_row(reader, element, |Row { values, corners, uvs: corner_uvs }| {
         let first = mesh.corners.len();
         let number = image.as_deref().map_or(0.0, |at| values[at[0]]);
         let material = if number < 0.0 { NONE } else { number as u32 };
@@ -186,7 +187,7 @@ fn read_faces(
             }));
             mesh.faces.push(Face { end: mesh.corners.len(), material, color });
         };
-        // A negative number ends a strip. Two equal corners turn it.
+        // A negative number ends a strip. A triangle with two equal corners only turns it.
         for strip in corners.split(|&corner| is_strips && corner < 0.0).filter(|_| is_strips) {
             for (at, three) in strip.windows(3).enumerate() {
                 let [a, b, c] = if at % 2 == 0 { [0, 1, 2] } else { [1, 0, 2] }.map(|corner| three[corner]);
@@ -198,7 +199,7 @@ fn read_faces(
         if !is_strips && element.properties.iter().any(Property::is_corners) {
             push(corners);
         }
-        let pairs = of_corners.as_chunks().0;
+        let pairs = corner_uvs.as_chunks().0;
         if mesh.corners.len() - first != pairs.len() {
             return (!pairs.is_empty())
                 .then_some("a `texcoord` that is not u and v of each corner is left out");
@@ -214,7 +215,7 @@ fn read_faces(
     Ok(())
 }
 
-/// Makes the colours of an element linear and in [0, 1]; white where they are no number.
+/// Makes the colours of an element linear and in [0, 1]. White stands for those that are no number.
 fn make_linear(element: &Element, at: &[usize], colors: &mut [Vec3]) {
     let scalars = [0, 1, 2].map(|channel| element.properties[at[channel]].scalar);
     let whites = scalars.map(|scalar| {

@@ -1,4 +1,4 @@
-//! The bytes of a PLY file: header and numbers.
+//! Reads the header and the numbers of a PLY file.
 
 use super::super::error::SceneError;
 use super::super::notes::Notes;
@@ -36,11 +36,11 @@ pub struct Property {
 }
 
 impl Property {
-    /// Whether it lists the vertices of a face.
+    /// Tests whether it lists the vertices of a face.
     pub fn is_corners(&self) -> bool {
         self.list.is_some() && ["vertex_indices", "vertex_index"].contains(&self.name.as_str())
     }
-    /// Whether it lists the texture coordinates of a face's corners.
+    /// Tests whether it lists the texture coordinates of a face's corners.
     pub fn is_uvs(&self) -> bool {
         self.list.is_some() && self.name == "texcoord"
     }
@@ -53,16 +53,18 @@ pub struct Element {
     pub properties: Vec<Property>,
 }
 
-/// A file's bytes, and how far they are read.
+/// A reader of a file's bytes.
 pub struct Reader<'a> {
     path: &'a Path,
     bytes: &'a [u8],
     encoding: Encoding,
+    /// Number of bytes read.
     at: usize,
+    /// Number of lines read.
     line: usize,
     /// The image files that the header names, with their lines.
     pub images: Vec<(String, usize)>,
-    /// What is left out.
+    /// Notes about the file.
     pub notes: Notes,
 }
 
@@ -74,7 +76,7 @@ impl<'a> Reader<'a> {
     pub fn fault(&self, what: impl Into<String>, mend: impl Into<String>) -> SceneError {
         SceneError::new(what)
             .in_file(self.path)
-            .at(format!("line {}, byte {}", self.line, self.at))
+            .at_place(format!("line {}, byte {}", self.line, self.at))
             .mend(mend)
     }
     fn ends_early(&self) -> SceneError {
@@ -83,7 +85,7 @@ impl<'a> Reader<'a> {
     fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }
-    /// The next line, without its end; `None` at the end of the file.
+    /// Reads the next line, without its end; `None` at the end of the file.
     fn next_line(&mut self) -> Option<&'a [u8]> {
         let rest = self.rest();
         if rest.is_empty() {
@@ -94,7 +96,7 @@ impl<'a> Reader<'a> {
         self.line += 1;
         Some(rest[..end].trim_ascii())
     }
-    /// How many numbers come next of a property.
+    /// Reads how many numbers of a property follow.
     pub fn count(&mut self, property: &Property) -> Result<u64, SceneError> {
         let Some(length) = property.list else { return Ok(1) };
         let count = self.number(length)?;
@@ -103,7 +105,8 @@ impl<'a> Reader<'a> {
         }
         Err(self.fault(format!("{count} is not the length of a list"), "export the model again"))
     }
-    /// The next number; NaN, with a note unless it stands for NaN or infinity, where a word is none.
+    /// Reads the next number. A word that is no number becomes NaN, with a note unless it stands for NaN or
+    /// infinity.
     #[inline]
     pub fn number(&mut self, scalar: Scalar) -> Result<f64, SceneError> {
         if self.encoding == Encoding::Ascii {
@@ -115,7 +118,7 @@ impl<'a> Reader<'a> {
             let word = &rest[..rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len())];
             let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok());
             self.at += word.len();
-            // As in `-nan(ind)` and `1.#QNAN`.
+            // Words such as `-nan(ind)` and `1.#QNAN` stand for NaN.
             if number.is_none() && !word.iter().any(|byte| b"(#".contains(byte)) {
                 let word = String::from_utf8_lossy(&word[..word.len().min(40)]).into_owned();
                 let fault = self.fault(format!("`{word}` is not a number"), "write a number");
@@ -134,7 +137,7 @@ impl<'a> Reader<'a> {
         Ok(scalar.read(&turned[..bytes.len()]))
     }
 
-    /// Everything up to `end_header`.
+    /// Reads everything up to `end_header`.
     pub fn header(&mut self) -> Result<Vec<Element>, SceneError> {
         const MEND: &str = "export the model again as PLY 1.0";
         if self.next_line() != Some(b"ply") {
@@ -157,9 +160,9 @@ impl<'a> Reader<'a> {
                     elements.push(Element { name, line, count, properties: Vec::new() });
                 }
                 ["property", ref property @ ..] => {
-                    let (of, list, name) = match *property {
-                        ["list", length, of, name] => (of, Some(length), name),
-                        [of, name] => (of, None, name),
+                    let (scalar_type, list, name) = match *property {
+                        ["list", length, scalar_type, name] => (scalar_type, Some(length), name),
+                        [scalar_type, name] => (scalar_type, None, name),
                         _ => return Err(self.fault("this is not a property", MEND)),
                     };
                     let unknown = || self.fault("the type of the property is unknown", MEND);
@@ -169,7 +172,7 @@ impl<'a> Reader<'a> {
                     element.properties.push(Property {
                         name: name.to_string(),
                         line: self.line,
-                        scalar: known(of)?,
+                        scalar: known(scalar_type)?,
                         list: list.map(known).transpose()?,
                     });
                 }
@@ -197,7 +200,7 @@ impl<'a> Reader<'a> {
         });
         let least: usize = least.sum();
         let needed = least.checked_mul(element.count);
-        // The last number of a file has no space behind it.
+        // The last number of a file may have no space after it.
         if needed.is_none_or(|needed| needed > self.rest().len() + 1) {
             let what = format!("{} elements `{}` are more than the file holds", element.count, element.name);
             return Err(self.fault(what, "export the model again"));

@@ -48,7 +48,7 @@ pub struct Accumulation {
     pose_since: Instant,
 }
 
-/// Cancels a pass that is not needed for a frame.
+/// An observer that cancels a pass that no frame needs.
 struct PassWatch<'a> {
     exchange: &'a Exchange,
     /// Whether the film already has a complete pass. Then this one is cancelled once an event is pending

@@ -83,19 +83,5 @@ mod tests {
         assert_eq!((list.current(), list.count_and_number()), ("new".as_ref(), [3, 2]));
         assert!(list.drop_in("b"));
         assert_eq!((list.current(), list.count_and_number()), ("b".as_ref(), [3, 3]));
-        let folder = tempfile::tempdir().unwrap();
-        let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-        for name in ["a.json", "b.json", "c.json"] {
-            std::fs::write(path(name), "").unwrap();
-        }
-        assert!(list.drop_in(path("b.json")));
-        assert!(list.drop_in(folder.path()));
-        assert_eq!((list.current(), list.count_and_number()), (path("a.json").as_ref(), [6, 5]));
-        list.next();
-        assert_eq!(
-            list.current(),
-            path("c.json").as_str(),
-            "a scene that was in the list stays where it was"
-        );
     }
 }

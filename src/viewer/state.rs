@@ -263,15 +263,6 @@ mod tests {
     }
 
     #[test]
-    fn a_display_without_a_rate_changes_nothing() {
-        let mut test = Test::new();
-        for (reported, rate) in [(0.0, 60.0), (f64::NAN, 60.0), (144.0, 144.0), (-1.0, 144.0), (0.2, 144.0)] {
-            test.handle(Event::Rate(reported), 0);
-            assert_eq!(test.state.rate, rate, "{reported}");
-        }
-    }
-
-    #[test]
     fn nothing_jumps_after_a_pause() {
         let mut test = Test::new();
         test.state.speed = Some(1.0);

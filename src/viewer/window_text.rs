@@ -36,7 +36,7 @@ pub fn draw(frame: &Frame, mut canvas: Canvas) {
     }
 }
 
-/// Pixels of a character's width and a line's height.
+/// Returns the width of a character and the height of a line in pixels.
 fn cell(font: &MonoFont) -> [usize; 2] {
     [font.character_size.width as usize, font.character_size.height as usize + 1]
 }

@@ -61,7 +61,7 @@ fn exr_files_of_any_compression_and_naming_are_read() {
         (
             &[("R", -1e-6), ("G", 0.5), ("B", 1.0)],
             [0.0, 0.5, 1.0],
-            "what is below 0, down to -1e-6, became 0 in 640 pixels",
+            "values below 0, down to -1e-6, became 0 in 640 pixels",
         ),
     ] {
         let (found, said) = exr(Compression::ZIP16, channels).unwrap();
@@ -164,7 +164,7 @@ fn colours_of_8_and_16_bits_are_decoded_from_srgb_and_data_are_not() {
 #[test]
 fn colours_of_a_file_are_converted_and_the_rest_is_said() {
     let folder = Folder::new();
-    for (head, what) in [("RADIANCE", ""), ("RGBE", ""), ("RGBE\nEXPOSURE=2", "`EXPOSURE=2` is not undone")] {
+    for (head, what) in [("RADIANCE", ""), ("RGBE", ""), ("RGBE\nEXPOSURE=2", "`EXPOSURE=2` is ignored")] {
         let head = format!("#?{head}\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
         folder.write("s.hdr", [head.as_bytes(), &[128, 64, 32, 129]].concat());
         let (texel, said) = seen(&folder, "s.hdr").unwrap();

@@ -196,7 +196,7 @@ fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
         ("illum 7\nmap_Kd p.png\n", ":3: glass is shown without its `map_Kd`."),
         ("Kd spectral\n", ":2: `Kd` is left out: `spectral` is not a number."),
         ("Kd 1 1\n", ":2: `Kd` is left out: a colour needs 3 numbers."),
-        ("Ns 5\nTf 0.5 1 1\n", ":3: `Tf` is not read of materials that are not glass."),
+        ("Ns 5\nTf 0.5 1 1\n", ":3: `Tf` is read only for glass."),
         ("illum 10\n", ":2: `illum 10` is not read."),
         ("map_Kd\n", ":2: `map_Kd` is left out: there is no file name."),
         ("newmtl a\n", ":2: a second material of one name replaces the first."),

@@ -225,7 +225,7 @@ fn faults_name_path_line_and_remedy() {
         ("sphere", r#""center": [0,1e30,0], "radius": 1"#, "sphere[0].center[1]", "1e18"),
         ("sphere", r#""radius": 1"#, "sphere[0]", "add `center`"),
         ("sphere", r#""center": "x", "radius": 1"#, "sphere[0].center, line 1", "array"),
-        ("sphere", r#""center": [0,0,0], "radius": 1, "roughness": -1"#, "sphere[0].roughness", "mirror"),
+        ("sphere", r#""center": [0,0,0], "radius": 1, "roughness": -1"#, "sphere[0].roughness", "0 or more"),
         ("sphere", r#""center": [0,0,NaN], "radius": 1"#, "sphere[0].center[2]", "NaN"),
         ("triangle", r#""center": [0,0,0], "s0": [1,0,0]"#, "triangle[0]", "add `s1`"),
         ("triangle", r#""center": [1e18,0,0], "s0": [1e18,0,0], "s1": [0,1,0]"#, "triangle[0]", "too far"),

@@ -85,6 +85,9 @@ fn both_widths_are_measured_side_by_side() {
     wait(&mut seat, "the rates of both", |frame| {
         frame.figures.contains("scalar, 1 thread · SIMD ") && frame.figures.contains("×\n")
     });
+    let (_, rates) = seat.frame.figures.split_once(" · SIMD ").unwrap();
+    let factor = rates.split_once("passes/s, ").unwrap().1.split_once('×').unwrap().0;
+    assert!(factor.parse::<f64>().unwrap() > 1.0, "{}", seat.frame.figures);
     // With other equations nothing is the same.
     seat.type_letters("xx");
     wait(&mut seat, "a rate of one again", |frame| frame.figures.contains("L measures SIMD beside it"));

@@ -101,10 +101,8 @@ pub fn make_folder(folder: &Path) -> Result<(), OutputError> {
 }
 
 /// A writer that fails once `cancelled` returns true, because a large file takes seconds.
-pub struct CancellableWriter<'a, W> {
-    /// The writer of the file.
+pub(crate) struct CancellableWriter<'a, W> {
     pub inner: W,
-    /// Returns whether to stop.
     pub cancelled: &'a dyn Fn() -> bool,
 }
 

@@ -5,7 +5,6 @@ pub mod file;
 pub mod picture;
 
 pub use error::OutputError;
-pub use file::{
-    CancellableWriter, Existing, check, make_folder, remove_leftovers, save_json, save_text, write_atomically,
-};
+pub(crate) use file::CancellableWriter;
+pub use file::{Existing, check, make_folder, remove_leftovers, save_json, save_text, write_atomically};
 pub use picture::{Format, encode, save, save_unless};

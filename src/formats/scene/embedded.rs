@@ -8,16 +8,14 @@ pub const PREFIX: &str = "builtin:";
 /// A scene that shows why methods must be robust. It is no benchmark.
 const FAR: &str = "far";
 
-const SCENES: [(&str, &str); 9] = [
-    ("thesis", include_str!("../scenes/thesis.json")),
-    ("three", include_str!("../scenes/three.json")),
-    ("spheres", include_str!("../scenes/spheres.json")),
-    ("cornell", include_str!("../scenes/cornell.json")),
-    ("cornell-spheres", include_str!("../scenes/cornell-spheres.json")),
-    ("balls", include_str!("../scenes/balls.json")),
-    ("materials", include_str!("../scenes/materials.json")),
-    ("chess", include_str!("../scenes/chess.json")),
-    (FAR, include_str!("../scenes/far.json")),
+/// Includes scene files by their names.
+macro_rules! scenes {
+    ($($name:literal),*) => { &[$(($name, include_str!(concat!("../scenes/", $name, ".json")))),*] };
+}
+
+#[rustfmt::skip]
+const SCENES: &[(&str, &str)] = scenes![
+    "thesis", "three", "spheres", "cornell", "cornell-spheres", "balls", "materials", "chess", "far"
 ];
 
 const FILES: [(&str, &[u8]); 2] = [

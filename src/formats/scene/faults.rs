@@ -100,7 +100,7 @@ fn mend(
     }
     let fault_place = place.clone();
     let is_unknown = message.starts_with("unknown field");
-    // The innermost value of which there is an example, or else an unknown word, is removed.
+    // Removes the innermost value of which there is an example or, for an unknown word, the innermost key.
     let is_word = is_unknown || message.starts_with("unknown variant");
     let is_shown = |length: &usize| !is_word && example_of(&place[..*length]).is_some();
     let is_key = |length: &usize| matches!(place[*length - 1], Step::Key(_));

@@ -173,7 +173,7 @@ pub fn data_fault(path: &str, message: &str) -> (String, String) {
     if message == LONG_LIST {
         return (
             "there are too many entries in this list".to_string(),
-            "remove those from here on".to_string(),
+            "remove the entries from here on".to_string(),
         );
     }
     let message = message

@@ -154,7 +154,7 @@ impl Mesh {
             }
             if !triangulate(&self.positions, corners, &mut cutter, &mut triangles) {
                 let what =
-                    format!("of more than {MOST_CORNERS} corners, it is shown as a fan and may be wrong");
+                    format!("it has more than {MOST_CORNERS} corners and is shown as a fan, perhaps wrongly");
                 builder.notes.add(&" a face", what);
             }
             for &triangle in &triangles {

@@ -268,7 +268,7 @@ impl Entry {
         if let Some(&(filter, line)) = self.colors.get("Tf")
             && ![DVec3::ZERO, DVec3::ONE].contains(&filter)
         {
-            note(line, "`Tf` is not read of materials that are not glass");
+            note(line, "`Tf` is read only for glass");
         }
         let Some((model, line)) = illumination else { return };
         let reflects = self.color("Ks").is_some_and(|color| color != DVec3::ZERO);

@@ -8,7 +8,7 @@ use super::colorimetry::{to_rec709, xyz_to_rec709};
 use glam::DMat3;
 use image::DynamicImage;
 
-/// A file whose header states scan lines from the top, each from the left, and the content of its own header.
+/// A picture whose header is replaced by one of scan lines from the top and from the left.
 pub struct Radiance {
     /// The file with the replaced header.
     pub file: Vec<u8>,
@@ -46,7 +46,7 @@ impl Radiance {
                     }
                 },
                 "EXPOSURE" | "COLORCORR" if numbers.iter().any(|&factor| factor != 1.0) => {
-                    left_out.push(format!("its `{line}` is not undone: divide by it for radiance"));
+                    left_out.push(format!("its `{line}` is ignored: divide by it for radiance"));
                 }
                 "PRIMARIES" => match numbers.as_chunks().0.try_into().ok().and_then(to_rec709) {
                     Some(found) => matrix = found,

@@ -271,7 +271,7 @@ fn linear_texels(
         colorimetry::convert(&mut pixels, to_rec709);
     }
     let lowest = pixels.iter().flatten().fold(0.0, |lowest: f32, channel| lowest.min(*channel));
-    let what = format!("what is below 0, down to {lowest:e}, became 0");
+    let what = format!("values below 0, down to {lowest:e}, became 0");
     replace(&mut pixels, |channel| channel < 0.0, 0.0, &what, left_out);
     Texels::Float32(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect())
 }

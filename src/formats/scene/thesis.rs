@@ -82,15 +82,6 @@ struct TriangleFile {
     unknown: Unknown,
 }
 
-/// Keys that spheres and triangles share.
-struct Surface<'a> {
-    /// Display values from 0 to 255.
-    color: Option<[f64; 3]>,
-    emission: Option<f64>,
-    roughness: Option<f64>,
-    texture: Option<&'a String>,
-}
-
 /// Reads a scene text in the thesis's format.
 pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, SceneError> {
     let file: SceneFile = read(source)?;
@@ -173,13 +164,12 @@ impl Loader {
     fn add_sphere(&mut self, file: &SphereFile, place: &JsonPath) -> Result<(), SceneError> {
         let &SphereFile { center, radius, color, emission, roughness, ref texture, .. } = file;
         place.key("center").vec3(center)?;
-        let surface = Surface { color, emission, roughness, texture: texture.as_ref() };
         let radius = place.key("radius").radius(radius, &Coordinates::default())?;
         let center = inverted(center.into());
         let sphere = Sphere {
             center: center.as_vec3(),
             radius: radius as f32,
-            material: self.material(&surface, place)?,
+            material: self.material(place, color, emission, roughness, texture.as_deref())?,
             texture_turn: 0.5,
             // The thesis's program maps every sphere's texture as seen from inside, which is right for skies
             // and mirrored on balls.
@@ -199,24 +189,26 @@ impl Loader {
             let what = format!("the triangle reaches {far}, too far from the origin");
             return Err(place.error(what, "move it or make it smaller: numbers stay within ±1e18"));
         }
-        let surface = Surface { color, emission, roughness, texture: texture.as_ref() };
-        let material = self.material(&surface, place)?;
+        let material = self.material(place, color, emission, roughness, texture.as_deref())?;
         let attributes = Attributes { uvs: Some(planar_uvs(corners)), ..Attributes::default() };
         if !self.builder.add_triangle(corners.map(inverted), material, attributes) {
             self.builder.notes.add(place, "a triangle of zero area is left out");
         }
         Ok(())
     }
-    fn material(&mut self, surface: &Surface, place: &JsonPath) -> Result<u32, SceneError> {
-        let texture = surface.texture.and_then(|path| self.texture(path));
-        let emission = place.key("emission").number(surface.emission.unwrap_or(0.0))?;
-        let at_roughness = place.key("roughness");
-        let roughness = at_roughness.number(surface.roughness.unwrap_or(0.0))?;
-        if roughness < 0.0 {
-            let mend = "write 0 for a mirror, or a number above it";
-            return Err(at_roughness.error(format!("{roughness} is negative"), mend));
-        }
-        let color = surface.color.unwrap_or([255.0; 3]);
+    /// Adds the material of a primitive, unless it is known. Its colour has display values from 0 to 255.
+    fn material(
+        &mut self,
+        place: &JsonPath,
+        color: Option<[f64; 3]>,
+        emission: Option<f64>,
+        roughness: Option<f64>,
+        texture: Option<&str>,
+    ) -> Result<u32, SceneError> {
+        let texture = texture.and_then(|path| self.texture(path));
+        let emission = place.key("emission").number(emission.unwrap_or(0.0))?;
+        let roughness = place.key("roughness").not_negative(roughness.unwrap_or(0.0))?;
+        let color = color.unwrap_or([255.0; 3]);
         if color.iter().any(|channel| !(0.0..=255.0).contains(channel)) {
             self.builder.notes.add(&place.key("color"), "a channel outside 0 to 255 is clamped");
         }

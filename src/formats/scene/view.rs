@@ -217,8 +217,8 @@ fn path(place: &JsonPath, files: &[KeyframeFile], scene: &Scene) -> Result<Camer
     let mut keyframes: Vec<Keyframe> = Vec::with_capacity(files.len());
     for (index, file) in files.iter().enumerate() {
         let place = place.item(index);
-        if keyframes.last().is_some_and(|before| before.frame >= file.frame) {
-            let what = format!("frame {} comes after a frame that is not before it", file.frame);
+        if let Some(before) = keyframes.last().filter(|before| before.frame >= file.frame) {
+            let what = format!("frame {} comes after frame {}", file.frame, before.frame);
             return Err(place.key("frame").error(what, "write the keyframes in ascending order"));
         }
         let camera = camera(&place.key("camera"), &file.camera, scene, Some(scene.camera))?;

@@ -27,8 +27,8 @@ impl Numbers {
 pub struct Accessors<'a> {
     pub document: &'a Document<'a>,
     read: HashMap<usize, Rc<Numbers>>,
-    /// Number of numbers that may still be read. It bounds the memory of accessors that overlap or have no
-    /// data by the size of the file, and is more than a useful file needs.
+    /// How many numbers may still be read: more than a useful file has. The size of the file so bounds the
+    /// memory of accessors that overlap or have no data.
     left: usize,
 }
 

@@ -122,7 +122,7 @@ impl Document<'_> {
     }
     /// Returns a buffer view and its bytes, or its fault.
     pub fn view(&self, index: usize) -> Result<(&View, &[u8]), String> {
-        let broken = |what: &str| format!("`{what}` is missing, or not as glTF has it");
+        let broken = |what: &str| format!("`{what}` is missing, or does not follow the standard");
         let view =
             self.root.buffer_views.get(index).ok_or_else(|| broken(&format!("bufferViews[{index}]")))?;
         let name = format!("buffers[{}]", view.buffer.0);

@@ -17,7 +17,7 @@ use super::super::json::JsonPath;
 use super::super::notes::Notes;
 use super::bytes::Document;
 use super::schema::{Material as MaterialFile, Primitive, Root, TextureInfo, TextureTransform};
-use super::texture::{self, Range, Reference};
+use super::texture::{self, Range};
 use glam::Vec3;
 use octray_engine::scene::{Material, MaterialKind, TexelKind};
 use std::collections::HashMap;
@@ -26,21 +26,16 @@ use std::collections::HashMap;
 const CLEAR: f64 = 0.5;
 
 /// Returns the textures of a material: those of colour, of roughness and metallic, of normals, of emission.
-fn references(file: &MaterialFile) -> [Option<Reference>; 4] {
+fn textures(file: &MaterialFile) -> [Option<&TextureInfo>; 4] {
     let pbr = &file.pbr_metallic_roughness;
-    let all = [
-        &pbr.base_color_texture,
-        &pbr.metallic_roughness_texture,
-        &file.normal_texture,
-        &file.emissive_texture,
-    ];
-    all.map(|info| info.as_ref().map(Reference::new))
+    let [color, rough] = [&pbr.base_color_texture, &pbr.metallic_roughness_texture];
+    [color, rough, &file.normal_texture, &file.emissive_texture].map(Option::as_ref)
 }
 
 /// Returns the set of texture coordinates that a primitive's material uses, if it has textures.
 pub fn uv_set(primitive: &Primitive, root: &Root) -> Option<usize> {
     let file = root.materials.get(primitive.material?.0)?;
-    references(file).into_iter().flatten().next().map(|first| first.set)
+    textures(file).into_iter().flatten().next().map(|first| first.mapping().0)
 }
 
 /// A file's materials, each added to the builder once.
@@ -143,18 +138,17 @@ impl<'a> Materials<'a> {
         let transmission = self.transmission(file, &place, builder);
         let mut material = plain(file, name, &transmission);
         note_ignored(file, material.kind, &transmission, &place, &mut builder.notes);
-        let references = references(file);
-        let first = references.into_iter().flatten().next();
-        let [color, rough, normal, emission] = references;
-        let mut load = |key: &'static str, reference: Option<Reference>, kind, slopes| {
-            let (reference, first) = (reference?, first?);
-            let place = place.key(key);
-            if (reference.set, reference.transform) != (first.set, first.transform) {
+        let textures = textures(file);
+        let mapping = textures.into_iter().flatten().next().map(TextureInfo::mapping);
+        let [color, rough, normal, emission] = textures;
+        let mut load = |key: &'static str, info: Option<&TextureInfo>, kind, slopes| {
+            let (info, place) = (info?, place.key(key));
+            if Some(info.mapping()) != mapping {
                 let what = "a texture is left out: its coordinates are not those of the material's first one";
                 builder.notes.add(&place, what);
                 return None;
             }
-            texture::load(self.document, reference.texture, kind, slopes, &place, builder)
+            texture::load(self.document, info.index.0, kind, slopes, &place, builder)
         };
         // The colour of glass is the square root of the base colour, which no texture here can be.
         let is_glass = matches!(material.kind, MaterialKind::Glass { .. });
@@ -170,7 +164,7 @@ impl<'a> Materials<'a> {
                 material.emission_map = load("emissiveTexture", emission, TexelKind::Color, None);
             }
         }
-        let uv_map = first.map(|first| first.transform).unwrap_or_default();
+        let uv_map = mapping.map(|(_, transform)| transform).unwrap_or_default();
         Added { number: builder.add_material(material, 1.0), uv_map }
     }
 }
@@ -227,7 +221,7 @@ fn note_ignored(
         return;
     }
     if file.occlusion_texture.is_some() {
-        notes.add(&place.key("occlusionTexture"), "occlusion is left out: paths find it themselves");
+        notes.add(&place.key("occlusionTexture"), "occlusion is left out: path tracing computes it");
     }
     let (extensions, &Transmission { share, varies, is_rough, .. }) = (place.key("extensions"), transmission);
     let is_thin = matches!(kind, MaterialKind::ThinGlass { .. });

@@ -60,7 +60,7 @@ pub fn read(content: &[u8], path: &Path, files: &Files) -> Result<Gltf, SceneErr
         let is_compression = extensions::COMPRESSIONS.contains(&name.as_str());
         let why = if is_compression { ": its geometry is compressed" } else { "" };
         let what = format!("the file requires the extension `{name}`, which is not read{why}");
-        let mend = "export the model without it, or, if it shows without, take it out of this list";
+        let mend = "export the model without it, or remove it from this list if the model does not need it";
         return Err(place.key("extensionsRequired").item(index).error(what, mend));
     }
     let buffers = bytes::buffers(&root, binary, path, files);

@@ -96,9 +96,12 @@ pub fn note_ignored(document: &Document, placed: &Placed, notes: &mut Notes) {
         notes.add(&place.key("nodes").item(node).key("skin"), what);
     }
     if root.scenes.len() > 1 {
-        notes.add(&place.key("scenes"), "the file has several scenes: one is shown");
+        notes.add(&place.key("scenes"), "the file has several scenes: only one is shown");
     }
     if root.cameras.len() > 1 {
-        notes.add(&place.key("cameras"), "the file has several cameras: the first one of a node counts");
+        notes.add(
+            &place.key("cameras"),
+            "the file has several cameras: the first one that a node names is used",
+        );
     }
 }

@@ -25,7 +25,7 @@ impl<'de, T: DeserializeOwned> Deserialize<'de> for Lenient<T> {
     }
 }
 
-/// A list of which each entry is a fault only where it is used.
+/// A list whose faulty entries are faults only if they are used.
 pub type List<T> = Lenient<Vec<Lenient<T>>>;
 
 impl<T> List<T> {

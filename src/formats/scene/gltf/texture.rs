@@ -22,23 +22,13 @@ impl TextureTransform {
     }
 }
 
-/// A material's use of a texture.
-#[derive(Clone, Copy)]
-pub struct Reference {
-    pub texture: usize,
-    /// The number of the set of texture coordinates.
-    pub set: usize,
-    /// The transform, whose own set is not used.
-    pub transform: TextureTransform,
-}
-
-impl Reference {
-    pub fn new(info: &TextureInfo) -> Self {
-        let transform = info.extensions.transform;
-        let set = transform.tex_coord.unwrap_or(info.tex_coord).0;
+impl TextureInfo {
+    /// Returns the set of texture coordinates and their transform.
+    pub fn mapping(&self) -> (usize, TextureTransform) {
+        let transform = self.extensions.transform;
+        let set = transform.tex_coord.unwrap_or(self.tex_coord).0;
         let scale = transform.scale.or(Some([1.0; 2]));
-        let transform = TextureTransform { tex_coord: None, scale, ..transform };
-        Self { texture: info.index.0, set, transform }
+        (set, TextureTransform { tex_coord: None, scale, ..transform })
     }
 }
 

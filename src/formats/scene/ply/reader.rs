@@ -182,7 +182,7 @@ impl<'a> Reader<'a> {
                     self.images.push((name.to_string(), self.line));
                 }
                 ["comment" | "obj_info", ..] | [] => {}
-                _ => return Err(self.fault(format!("`{line}` does not belong into a header"), MEND)),
+                _ => return Err(self.fault(format!("`{line}` is no line of a header"), MEND)),
             }
         }
         self.encoding = encoding.ok_or_else(|| self.fault("the header has no `format`", MEND))?;

@@ -51,22 +51,24 @@ fn triangle_rehits(size: f64, place: f64, share: f32, count: usize) -> usize {
     counts.failures
 }
 
-/// Edge of the triangle and distance from the origin.
-const TRIANGLES: &[(f64, f64)] = &[
-    (1.0, 1.0),
-    (1.0, 1e5),
-    (1e3, 1.0),
-    (1e-3, 1.0),
-    (1.0, 0.0),
-    (1e-3, 1e-3),
-    (1e5, 1e5),
-    (1e-6, 1e-6),
-    (1e-2, 30.0),
+/// Edges of triangles, and their distances from the origin.
+const TRIANGLES: [(f64, &[f64]); 6] = [
+    (1.0, &[0.0, 1.0, 1e5]),
+    (1e3, &[1.0]),
+    (1e-3, &[1e-3, 1.0]),
+    (1e5, &[1e5]),
+    (1e-6, &[1e-6]),
+    (1e-2, &[30.0]),
 ];
+
+/// Each size with each of its places.
+fn sizes_and_places(sizes: &[(f64, &'static [f64])]) -> Vec<(f64, f64)> {
+    sizes.iter().flat_map(|&(size, places)| places.iter().map(move |&place| (size, place))).collect()
+}
 
 #[test]
 fn triangles_are_left_without_hitting_them_again() {
-    for &(size, place) in TRIANGLES {
+    for (size, place) in sizes_and_places(&TRIANGLES) {
         assert_eq!(triangle_rehits(size, place, 1.0, 40_000), 0, "edge {size}, {place} from the origin");
     }
 }
@@ -83,29 +85,21 @@ fn sphere_faults(radius: f64, place: f64, side: Side, share: f32, count: usize) 
     counts.failures
 }
 
-/// Radius and distance of the centre from the origin; both sides can be left while the distance is below some
+/// Radii, and distances of the centre from the origin; both sides can be left while the distance is below some
 /// 10⁴ radii.
-const SPHERES: &[(f64, f64)] = &[
-    (1.0, 0.0),
-    (1.0, 1.0),
-    (1.0, 100.0),
-    (1e-3, 0.0),
-    (1e-3, 1e-3),
-    (1e-3, 1.0),
-    (1e3, 1.0),
-    (1e3, 1e3),
-    (1e3, 1e5),
-    (1e6, 1.0),
-    (1e6, 1e6),
-    (1e6, 1e8),
-    (0.1, 500.0),
+const SPHERES: [(f64, &[f64]); 5] = [
+    (1.0, &[0.0, 1.0, 100.0]),
+    (1e-3, &[0.0, 1e-3, 1.0]),
+    (1e3, &[1.0, 1e3, 1e5]),
+    (1e6, &[1.0, 1e6, 1e8]),
+    (0.1, &[500.0]),
 ];
 
 const SIDES: [Side; 2] = [Side::Outside, Side::Inside];
 
 #[test]
 fn spheres_are_left_on_both_sides_without_hitting_them_again() {
-    for &(radius, place) in SPHERES {
+    for (radius, place) in sizes_and_places(&SPHERES) {
         for side in SIDES {
             let faults = sphere_faults(radius, place, side, 1.0, 20_000);
             assert_eq!(faults, 0, "radius {radius}, {place} from the origin, {side:?}");

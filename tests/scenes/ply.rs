@@ -5,7 +5,7 @@ use crate::folder::Folder;
 use crate::obj::area;
 use glam::{Vec2, Vec3, vec3};
 use octray::render::{Renderer, Settings};
-use octray::scene::{Scene, Texels, load, srgb_to_linear};
+use octray::scene::{Scene, Texels, Texture, load, srgb_to_linear};
 use std::fs;
 
 fn read_bytes(content: &[u8]) -> Result<Scene, String> {
@@ -13,6 +13,19 @@ fn read_bytes(content: &[u8]) -> Result<Scene, String> {
     let path = folder.path("m.ply");
     fs::write(&path, content).unwrap();
     load(path.to_str().unwrap()).map(in_file).map_err(|error| error.to_string())
+}
+
+const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
+const FACE: &str = "property list uchar int vertex_indices\n";
+
+/// A text file of vertices that have more properties and are followed by more of a header, and its body.
+fn ascii(vertices: u64, header: &str, body: &str) -> String {
+    format!("ply\nformat ascii 1.0\nelement vertex {vertices}\n{XYZ}{header}end_header\n{body}")
+}
+
+fn linear_texels(texture: &Texture) -> &[[f32; 4]] {
+    let Texels::Float32(texels) = &texture.texels else { panic!("{texture:?}") };
+    texels
 }
 
 /// Three encodings of the same numbers, each with its type.
@@ -76,8 +89,7 @@ fn all_encodings_give_the_same_polygons_normals_and_colours() {
         let at = |uv: Vec2| {
             let (x, y) =
                 ((uv.x * texture.width as f32) as u32, ((1.0 - uv.y) * texture.height as f32) as u32);
-            let Texels::Float32(texels) = &texture.texels else { panic!("linear") };
-            Vec3::from_slice(&texels[(y * texture.width + x) as usize])
+            Vec3::from_slice(&linear_texels(texture)[(y * texture.width + x) as usize])
         };
         let grey = srgb_to_linear(128.0 / 255.0) as f32;
         assert_eq!(scene.uvs[0].map(at), [Vec3::Z, vec3(1.0, 0.0, 1.0), vec3(grey, 0.0, 1.0)]);
@@ -119,14 +131,10 @@ fn colours_are_linear_between_vertices() {
 #[test]
 fn files_that_lie_are_refused() {
     let file = |header: &str, body: &str| read_bytes(format!("ply\n{header}end_header\n{body}").as_bytes());
-    let xyz = "property float x\nproperty float y\nproperty float z\n";
-    let face = "property list uchar int vertex_indices\n";
-    let (ascii, little) = ("format ascii 1.0\n", "format binary_little_endian 1.0\n");
+    let (text, little) = ("format ascii 1.0\n", "format binary_little_endian 1.0\n");
     let three = "0 0 0 1 0 0 0 1 0 ";
-    let vertices = |count: u64, more: &str, body: &str| {
-        file(&format!("{ascii}element vertex {count}\n{xyz}{more}"), body)
-    };
-    let faces = |body: &str| vertices(3, &format!("element face 1\n{face}"), body);
+    let vertices = |count: u64, more: &str, body: &str| read_bytes(ascii(count, more, body).as_bytes());
+    let faces = |body: &str| vertices(3, &format!("element face 1\n{FACE}"), body);
     let cases = [
         (faces(&format!("{three}3 0 1 3")), "face uses vertex 3"),
         (faces("0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"), "m.ply: face 0"),
@@ -137,15 +145,15 @@ fn files_that_lie_are_refused() {
         (vertices(3, "", "0 0 1e30 1 0 0 0 1 0"), "no faces"),
         (vertices(9_999_999_999, "", "000"), "more than the file holds"),
         (
-            file(&format!("{little}element vertex 99999999999999999\n{xyz}"), "000"),
+            file(&format!("{little}element vertex 99999999999999999\n{XYZ}"), "000"),
             "more than the file holds",
         ),
-        (file(&format!("{little}element face 1\n{face}"), "\u{7f}00"), "ends too early"),
-        (file(&format!("{ascii}element vertex 3\nproperty float x\n"), "0 0 0"), "without x, y and z"),
-        (file(&format!("{ascii}element vertex 3\nproperty real x\n"), ""), "type of the property"),
-        (file(&format!("{ascii}property float x\n"), ""), "property of no element"),
+        (file(&format!("{little}element face 1\n{FACE}"), "\u{7f}00"), "ends too early"),
+        (file(&format!("{text}element vertex 3\nproperty float x\n"), "0 0 0"), "without x, y and z"),
+        (file(&format!("{text}element vertex 3\nproperty real x\n"), ""), "type of the property"),
+        (file(&format!("{text}property float x\n"), ""), "property of no element"),
         (file("element vertex 3\n", ""), "no `format`"),
-        (vertices(1, &format!("element vertex 1\n{xyz}"), "0 0 0 0 0 0"), "a second list of vertices"),
+        (vertices(1, &format!("element vertex 1\n{XYZ}"), "0 0 0 0 0 0"), "a second list of vertices"),
         (faces(&format!("{three}-3 0 1 2")), "-3 is not the length of a list"),
         (faces(&format!("{three}2 0 1")), "at least three corners"),
         (faces("0 0 nan 1 0 0 0 1 0 3 0 1 2"), "which is no point"),
@@ -161,7 +169,7 @@ fn files_that_lie_are_refused() {
     assert!(!read_bytes(b"plx\n").unwrap_err().contains("byte"));
     // Elements without properties take no bytes, and no time.
     let empty =
-        format!("{ascii}element nothing 99999999999999\nelement vertex 3\n{xyz}element face 1\n{face}");
+        format!("{text}element nothing 99999999999999\nelement vertex 3\n{XYZ}element face 1\n{FACE}");
     assert_eq!(file(&empty, &format!("{three}3 0 1 2")).unwrap().triangles.len(), 1);
 }
 
@@ -208,7 +216,7 @@ fn numbers_of_every_type_and_lists_of_other_names_have_their_place() {
         let wanted =
             [[-300.0, -70_000.0, -3.0], [300.0, -70_000.0, -3.0], [-300.0, 70_000.0, -3.0]].map(Vec3::from);
         assert_eq!((scene.triangles.len(), scene.triangles[0].vertices), (1, wanted));
-        let Texels::Float32(texels) = &scene.textures[0].texels else { panic!("linear") };
+        let texels = linear_texels(&scene.textures[0]);
         let dark = srgb_to_linear(1.0 / 255.0) as f32;
         assert!(texels.iter().any(|texel| texel[..3] == [1.0, dark, 1.0]), "{texels:?}");
     }
@@ -216,10 +224,8 @@ fn numbers_of_every_type_and_lists_of_other_names_have_their_place() {
 
 #[test]
 fn what_is_not_read_is_a_warning_with_its_place_and_the_rest_is_shown() {
-    let ascii = |header: &str, body: &str| {
-        let xyz = "property float x\nproperty float y\nproperty float z\n";
-        let text = format!("ply\nformat ascii 1.0\nelement vertex 4\n{xyz}{header}end_header\n{body}");
-        let scene = read_bytes(text.as_bytes()).unwrap();
+    let read = |header: &str, body: &str| {
+        let scene = read_bytes(ascii(4, header, body).as_bytes()).unwrap();
         let warnings =
             scene.warnings.iter().map(|warning| warning.split_once("m.ply:").unwrap().1.to_string());
         (warnings.collect::<Vec<_>>(), area(&scene), scene)
@@ -229,31 +235,31 @@ fn what_is_not_read_is_a_warning_with_its_place_and_the_rest_is_shown() {
     // Of what is not read.
     for number in ["nan", "-nan(ind)", "1.#QNAN", "inf"] {
         let (warnings, area, _) =
-            ascii(&format!("property float q\n{faces}"), &(square(number) + "3 0 1 2 3 0 2 3"));
+            read(&format!("property float q\n{faces}"), &(square(number) + "3 0 1 2 3 0 2 3"));
         assert_eq!((warnings, area), (vec!["7: the property `q` of `vertex` is not read.".to_string()], 1.0));
     }
-    let (warnings, area, _) = ascii(faces, "0 0 nan 1 0 0 1 1 0 0 1 0 3 1 2 3 3 0 2 9");
+    let (warnings, area, _) = read(faces, "0 0 nan 1 0 0 1 1 0 0 1 0 3 1 2 3 3 0 2 9");
     let left_out = " face 1: a face is left out: the face uses vertex 9, but the file has 4.";
     assert_eq!((warnings, area), (vec![left_out.to_string()], 0.5));
     let header = "comment TextureFile a b.png\nproperty list uchar int l\nelement edge 1\nproperty int a\n";
-    let (warnings, area, _) = ascii(&format!("{header}{faces}"), &(square("2 7 7") + "5 4 0 1 2 3 2 0 1"));
+    let (warnings, area, _) = read(&format!("{header}{faces}"), &(square("2 7 7") + "5 4 0 1 2 3 2 0 1"));
     let texture = "7: `TextureFile` is not read, as there are no texture coordinates.";
     let list = "8: the property `l` of `vertex` is not read.";
     let edge = "9: the element `edge` is not read.";
     let face = " face 1: a face is left out: a face needs at least three corners.";
     assert_eq!((warnings, area), ([list, edge, texture, face].map(String::from).to_vec(), 1.0));
     // Colours of faces, a concave polygon.
-    let (warnings, area, scene) = ascii(
+    let (warnings, area, scene) = read(
         "element face 1\nproperty list uchar int vertex_index\nproperty uchar red\nproperty uchar green\n\
          property uchar blue\nproperty uchar alpha\n",
         "0 0 0 4 0 0 1 1 0 0 4 0 4 1 2 3 0 255 0 255 255",
     );
     assert_eq!((warnings, area), (vec!["12: the property `alpha` of `face` is not read.".to_string()], 4.0));
-    let Texels::Float32(texels) = &scene.textures[0].texels else { panic!("linear") };
+    let texels = linear_texels(&scene.textures[0]);
     assert!(texels.iter().all(|texel| texel[..3] == [1.0, 0.0, 1.0]), "{texels:?}");
     // Two strips of one front, the second with a turn.
     let strips = "element tristrips 1\nproperty list int int vertex_indices\n";
-    let (warnings, area, scene) = ascii(strips, &(square("") + "9 0 1 3 2 -1 0 0 3 1"));
+    let (warnings, area, scene) = read(strips, &(square("") + "9 0 1 3 2 -1 0 0 3 1"));
     assert_eq!((warnings.len(), area, scene.triangles.len()), (0, 1.5, 3), "{warnings:?}");
 }
 
@@ -270,13 +276,10 @@ fn colours_of_every_type_have_the_scale_of_their_numbers() {
         ("double", "-1 0.5 1.5", 0.5),
     ] {
         let of = ["red", "green", "blue"].map(|channel| format!("property {name} {channel}\n")).concat();
-        let xyz = "property float x\nproperty float y\nproperty float z\n";
-        let vertices =
-            format!("element vertex 3\n{xyz}element face 1\nproperty list uchar int vertex_indices\n{of}");
-        let rows = format!("0 0 0 1 0 0 0 1 0 3 0 1 2 {colors}");
-        let text = format!("ply\nformat ascii 1.0\n{vertices}end_header\n{rows}\n");
+        let header = format!("element face 1\n{FACE}{of}");
+        let text = ascii(3, &header, &format!("0 0 0 1 0 0 0 1 0 3 0 1 2 {colors}\n"));
         let scene = read_bytes(text.as_bytes()).unwrap();
-        let Texels::Float32(texels) = &scene.textures[0].texels else { panic!("linear") };
+        let texels = linear_texels(&scene.textures[0]);
         let off = Vec3::from_slice(&texels[0]) - vec3(0.0, wanted, 1.0);
         assert!(off.abs().max_element() < 1e-6, "{name}: {texels:?}");
     }
@@ -290,11 +293,9 @@ fn images_that_comments_name_are_textures() {
         image::RgbImage::from_pixel(1, 1, image::Rgb(color)).save(folder.path(name)).unwrap();
     }
     let read = |vertex: &str, face: &str, body: &str| {
-        let xyz = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
         let images = "comment TextureFile a b.png\ncomment TextureFile c.png\ncomment TextureFile d.png\n";
-        let face = format!("element face 4\nproperty list uchar int vertex_indices\n{face}");
-        let text = format!("ply\nformat ascii 1.0\n{images}{xyz}{vertex}{face}end_header\n{body}");
-        let scene = load(&folder.write("m.ply", text)).unwrap();
+        let header = format!("{images}{vertex}element face 4\n{FACE}{face}");
+        let scene = load(&folder.write("m.ply", ascii(3, &header, body))).unwrap();
         let texture = |material: u32| scene.materials[material as usize].texture;
         let first = |texture: u32| scene.textures[texture as usize].texels.linear(0);
         let colors: Vec<_> =
@@ -307,7 +308,7 @@ fn images_that_comments_name_are_textures() {
     let body = "0 0 0 0.25 0 1 0 0 0.25 1 0 1 0 0.25 0.5 ";
     let (colors, found, warnings) = read(st, "", &(body.to_string() + &"3 0 1 2 ".repeat(4)));
     assert_eq!((colors, found), (vec![red; 4], vec![uvs; 4]));
-    assert!(warnings.len() == 1 && warnings[0].contains("m.ply:5: the texture `d.png`"), "{warnings:?}");
+    assert!(warnings.len() == 1 && warnings[0].contains("m.ply:9: the texture `d.png`"), "{warnings:?}");
     let texcoord = "property list uchar float texcoord\nproperty int texnumber\n";
     let corners = "6 0.25 0 0.25 1 0.25 0.5";
     let faces = format!("3 0 1 2 {corners} 0 3 0 1 2 {corners} 1 3 0 1 2 0 -1 3 0 1 2 2 1 1 1");

@@ -85,8 +85,8 @@ fn sphere_faults(radius: f64, place: f64, side: Side, share: f32, count: usize) 
     counts.failures
 }
 
-/// Radii, and distances of the centre from the origin; both sides can be left while the distance is below some
-/// 10⁴ radii.
+/// Radii, and distances of the centre from the origin; both sides can be left while the distance is below
+/// some 10⁴ radii.
 const SPHERES: [(f64, &[f64]); 5] = [
     (1.0, &[0.0, 1.0, 100.0]),
     (1e-3, &[0.0, 1e-3, 1.0]),

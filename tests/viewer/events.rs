@@ -2,7 +2,7 @@
 //! an end.
 
 use crate::folder::Folder;
-use crate::program::octray;
+use crate::pictures::assert_renders_again;
 use crate::seat::{Seat, options};
 use crate::waiting::wait_for;
 use octray::render::Methods;
@@ -181,12 +181,7 @@ fn a_screenshot_in_the_middle_of_a_sample_is_rendered_again() {
     }
     seat.viewer.finish();
     for number in 1..=3 {
-        let [shot, again] =
-            [&format!("octray-cornell-{number:04}"), "again.exr"].map(|name| folder.path(name));
-        let mut render = octray();
-        render.arg("render").arg(shot.with_extension("json")).arg("-o").arg(&again);
-        assert!(render.output().unwrap().status.success());
-        assert!(fs::read(&again).unwrap() == fs::read(shot.with_extension("exr")).unwrap(), "{number}");
+        assert_renders_again(&folder.path(&format!("octray-cornell-{number:04}")));
     }
 }
 

@@ -13,7 +13,7 @@ mod skipped;
 mod waiting;
 
 mod events;
-#[cfg(unix)]
+#[cfg_attr(not(unix), allow(dead_code))]
 mod pictures;
 #[cfg(unix)]
 mod terminal;

@@ -1,6 +1,8 @@
 //! The picture that a front end of the viewer should show.
 
 use crate::program::octray;
+use std::fs;
+use std::path::Path;
 
 /// Bytes of red, green and blue, row by row from the top.
 pub type Bytes = Vec<[u8; 3]>;
@@ -22,4 +24,18 @@ pub fn rendered(scene: &str, size: &str, samples: u32) -> Bytes {
     let done = render.output().unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     image::open(file).unwrap().to_rgb8().pixels().map(|pixel| pixel.0).collect()
+}
+
+/// Asserts that the view of a screenshot gives the bytes of the pictures beside it.
+pub fn assert_renders_again(shot: &Path) {
+    let folder = tempfile::tempdir().unwrap();
+    for extension in ["png", "exr"] {
+        let again = folder.path().join("again").with_extension(extension);
+        let mut render = octray();
+        render.arg("render").arg(shot.with_extension("json")).arg("-o").arg(&again);
+        let done = render.output().unwrap();
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let [again, bytes] = [again, shot.with_extension(extension)].map(|file| fs::read(file).unwrap());
+        assert!(again == bytes, "{}.{extension}: {} and {} bytes", shot.display(), bytes.len(), again.len());
+    }
 }

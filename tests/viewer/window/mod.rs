@@ -4,13 +4,12 @@
 //! tested, and it says so.
 
 mod screen;
-use crate::pictures::{Bytes, difference, rendered};
-use crate::program::octray;
+use crate::pictures::{Bytes, assert_renders_again, difference, rendered};
 use crate::waiting::wait_for;
 use screen::{SIZE, SIZE_TEXT, Screen, Viewer};
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Samples of the pictures that the window's are held against: many enough for their noise to be below a
 /// byte.
@@ -144,7 +143,7 @@ fn screenshots_are_rendered_again_byte_by_byte() {
     let first = shot(&shots, "octray-ball-0001");
     assert_eq!((&first["render"]["seed"], &first["max_bounces"]), (&7.into(), &3.into()));
     assert_eq!(first["resolution"], Value::from(SIZE.to_vec()));
-    renders_again(&shots.join("octray-ball-0001"));
+    assert_renders_again(&shots.join("octray-ball-0001"));
 
     // Everything else than at first: the scene, bounces, exposure, tone, equations.
     viewer.press("Next");
@@ -165,7 +164,7 @@ fn screenshots_are_rendered_again_byte_by_byte() {
     assert_eq!((&render["triangle"], &chosen["scene"]), (&"moller-trumbore".into(), &"builtin:three".into()));
     let own = octray::scene::load("builtin:three").unwrap().max_bounces;
     assert_eq!(chosen["max_bounces"], own + 2);
-    renders_again(&shots.join(format!("octray-three-{number:04}")));
+    assert_renders_again(&shots.join(format!("octray-three-{number:04}")));
 
     let next = format!("octray-three-{:04}", number + 1);
     let before = viewer.picture();
@@ -175,7 +174,7 @@ fn screenshots_are_rendered_again_byte_by_byte() {
         shot(&shots, &next)
     });
     assert_ne!(walking["camera"], chosen["camera"]);
-    renders_again(&shots.join(next));
+    assert_renders_again(&shots.join(next));
 }
 
 #[test]
@@ -219,18 +218,4 @@ fn scene(color: [f32; 3]) -> String {
 fn shot(folder: &Path, name: &str) -> Value {
     let file = folder.join(name).with_extension("json");
     wait_for(name, || serde_json::from_slice(&fs::read(&file).ok()?).ok())
-}
-
-/// The view gives the very bytes of the pictures beside it.
-fn renders_again(place: &Path) {
-    let folder = tempfile::tempdir().unwrap();
-    for extension in ["png", "exr"] {
-        let again: PathBuf = folder.path().join("again").with_extension(extension);
-        let mut render = octray();
-        render.arg("render").arg(place.with_extension("json")).arg("-o").arg(&again);
-        let done = render.output().unwrap();
-        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-        let [again, shot] = [again, place.with_extension(extension)].map(|file| fs::read(file).unwrap());
-        assert!(again == shot, "{}.{extension}: {} and {} bytes", place.display(), shot.len(), again.len());
-    }
 }

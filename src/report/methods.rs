@@ -100,21 +100,34 @@ impl HierarchyReport {
     }
 
     pub fn text(&self) -> String {
-        let Some(tree) = &self.tree else {
-            return format!("INVALID: {}", self.fault.as_deref().unwrap_or_default());
-        };
-        let BuildTime { threads, ms, .. } = self.build;
-        format!(
-            "{} in {}, {}; {}, {:.0} bytes a primitive; built in {} ms on {}",
-            counted(tree.wide_nodes, "node", "nodes"),
-            counted(tree.wide_depth, "level", "levels"),
-            counted(tree.leaves, "leaf", "leaves"),
-            DecimalBytes(self.bytes as u64),
-            self.bytes_per_primitive,
-            figure(ms, 1),
-            counted(threads, "thread", "threads"),
-        )
+        let builds = std::slice::from_ref(&self.build);
+        hierarchy_text(&self.tree, &self.fault, builds, [self.bytes as f64, self.bytes_per_primitive])
     }
+}
+
+/// Describes the shape of a hierarchy, its bytes in all and for each primitive, and its build times; or says why
+/// it is invalid.
+pub fn hierarchy_text(
+    tree: &Option<Statistics>,
+    fault: &Option<String>,
+    builds: &[BuildTime],
+    [bytes, bytes_per_primitive]: [f64; 2],
+) -> String {
+    let Some(tree) = tree else { return format!("INVALID: {}", fault.as_deref().unwrap_or_default()) };
+    let Statistics { node_fill, leaf_fill, node_visits, leaf_visits, cost, .. } = tree;
+    let built = builds.iter().map(|BuildTime { threads, ms, .. }| {
+        format!("{} ms on {}", figure(*ms, 1), counted(threads, "thread", "threads"))
+    });
+    format!(
+        "{} of {node_fill:.1} boxes in {}, {} of {leaf_fill:.1} primitives; a random line tests {node_visits:.1} nodes \
+         and {leaf_visits:.1} leaves, which costs as much as {cost:.1} nodes; {}, {bytes_per_primitive:.0} bytes a \
+         primitive; built in {}",
+        counted(tree.wide_nodes, "node", "nodes"),
+        counted(tree.wide_depth, "level", "levels"),
+        counted(tree.leaves, "leaf", "leaves"),
+        DecimalBytes(bytes as u64),
+        built.collect::<Vec<_>>().join(", "),
+    )
 }
 
 /// A default, and the reason for it: the figures come from `octray stability` and `octray chart`.

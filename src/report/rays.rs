@@ -1,7 +1,8 @@
 //! The report of `octray rays`: rays per second, as a table or as JSON.
 
 use super::baseline::{self, new_over_old};
-use super::numbers::{figure, mark, ratio, times};
+use super::methods::hierarchy_text;
+use super::numbers::{mark, ratio, times};
 use super::settings::{Differences, RunSettings, differences, in_words, json};
 use super::stats;
 use super::text::{busy, paragraph, row};
@@ -13,7 +14,6 @@ use crate::render::TraversalChoice;
 use crate::scene::Scene;
 use crate::traverse::Traversal;
 use crate::wording::{counted, grouped};
-use indicatif::DecimalBytes;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -129,48 +129,20 @@ fn cells(first: [&str; 2], of_threads: Vec<[String; 2]>, last: &str) -> String {
 
 /// Returns the machine, the scene and its hierarchy, and the heading of the table.
 pub fn heading(report: &Report, defaults: &RunSettings) -> String {
-    let Report { settings, scene, triangles, spheres, width, height, bvh_bytes, .. } = report;
-    let built = |build: &BuildTime| {
-        format!("{} ms on {}", figure(build.ms, 1), counted(build.threads, "thread", "threads"))
-    };
-    let built: Vec<String> = report.builds.iter().map(built).collect();
-    let tree = match &report.tree {
-        Some(Statistics {
-            wide_nodes,
-            node_fill,
-            leaves,
-            leaf_fill,
-            wide_depth,
-            node_visits,
-            leaf_visits,
-            cost,
-            ..
-        }) => format!(
-            "{} of {node_fill:.1} boxes, {} of {leaf_fill:.1} primitives, {}\n\
-             a random line tests {node_visits:.1} nodes and {leaf_visits:.1} leaves, \
-             which costs as much as {cost:.1} nodes",
-            counted(wide_nodes, "node", "nodes"),
-            counted(leaves, "leaf", "leaves"),
-            counted(wide_depth, "level", "levels")
-        ),
-        None => format!("THE HIERARCHY IS INVALID: {}", report.fault.as_deref().unwrap_or_default()),
-    };
+    let Report { settings, scene, triangles, spheres, width, height, builds, bvh_bytes, tree, fault, .. } =
+        report;
+    let (bytes, primitives) = (*bvh_bytes as f64, (triangles + spheres).max(1) as f64);
+    let hierarchy = hierarchy_text(tree, fault, builds, [bytes, bytes / primitives]);
     let rate =
         |threads: &usize| [format!("Mray/s, {}", counted(threads, "thread", "threads")), "× scalar".into()];
-    let names = cells(["traversal", "lanes"], settings.threads.iter().map(rate).collect(), "differ");
     format!(
-        "{}\n\
-         {}{scene}: {}, {}; {width}×{height} primary rays\n\
-         hierarchy: built in {}; {}, {:.0} bytes a primitive\n\
-         {tree}\n\n{}",
+        "{}\n{}{scene}: {}, {}; {width}×{height} primary rays\n{}\n{}",
         settings.machine,
         settings.line(defaults),
         counted(triangles, "triangle", "triangles"),
         counted(spheres, "sphere", "spheres"),
-        built.join(", "),
-        DecimalBytes(*bvh_bytes as u64),
-        *bvh_bytes as f64 / (triangles + spheres).max(1) as f64,
-        names
+        paragraph(&format!("hierarchy: {hierarchy}")),
+        cells(["traversal", "lanes"], settings.threads.iter().map(rate).collect(), "differ")
     )
 }
 

@@ -161,7 +161,8 @@ fn inspect_shows_the_hierarchy_that_rays_go_through() {
     let said = inspected(&desk, "builtin:knot:2000");
     for words in [
         "above 240, a hierarchy is faster",
-        &format!("hierarchy   {nodes} nodes in {levels} levels, {leaves} leaves; "),
+        &format!("hierarchy   {nodes} nodes of "),
+        &format!(" boxes in {levels} levels, {leaves} leaves of "),
         &format!(", {each:.0} bytes a primitive; built in "),
     ] {
         assert!(said.contains(words), "{words} is not in {said}");

@@ -1,11 +1,10 @@
 //! `octray bench`: frames per second, SIMD beside scalar.
 
 use super::error::{CliError, refuse};
-use super::interrupt;
 use super::numbers::{threads, whole};
 use super::options::{FrameOptions, baseline, lanes};
-use super::scenes;
 use super::terminal::{self, Printer};
+use super::{interrupt, scenes};
 use crate::lane::WIDTHS;
 use crate::machine;
 use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
@@ -41,18 +40,19 @@ const MAX_FRAMES: u32 = 1_000_000;
 /// reference in double precision.
 ///
 /// Columns: 16 lanes (where they are one vector), 8 lanes, scalar: frames per second on one thread (or
-/// --threads), the median, and in brackets the 1 % low (the rate that 99 % of the frames reach). all cores,
-/// and Mray/s, millions of rays per second on one thread: by the first width. 178k is 178,000; a dash
-/// was not measured. differing: pixels in which any width differs from scalar in any bit. wrong hits: primary
-/// hits that are wrong by the reference. Both should be 0, or the exit code is 1. rmse: root mean square
-/// error of a frame without next event estimation against the reference on the same random numbers.
+/// --threads): the median and, in brackets, the 1 % low (99 % of the frames are at least this fast). all
+/// cores: frames per second of the first width. Mray/s: its millions of rays per second on one thread. 178k
+/// means 178,000, and a dash "not measured". differing: pixels in which any width differs from scalar in any
+/// bit. wrong hits: primary hits that are wrong by the reference. If one of these two is not 0, the exit code
+/// is 1. rmse: root mean square error of a frame without next event estimation against the reference on the
+/// same random numbers.
 ///
 /// A ? marks a figure that is not reliable: other programs took more than 5 % of the time of the measuring
 /// threads in the median turn, or it has fewer than 50 frames or 3 rounds.
 ///
-/// Then ratios: medians of alternating rounds, and in brackets from 10 to 90 % of them. speed-up: over
-/// scalar. scaling: all cores over one thread. specialisation: the pipeline compiled for the features of the
-/// scene over the one with every feature. The last line is a summary to paste.
+/// The second table has ratios: medians of alternating rounds and, in brackets, 10 to 90 % of them. speed-up:
+/// over scalar. scaling: all cores over one thread. specialisation: the pipeline compiled for the features of
+/// the scene over the one with every feature. The last line is a summary to paste.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Examples:
   octray bench builtin:three --threads 1 --json > bench.json

@@ -1,26 +1,21 @@
 //! `octray chart`: speed against accuracy.
 
 use super::error::CliError;
-use super::ground_truth;
-use super::interrupt;
 use super::numbers::{seconds, size, whole};
 use super::outputs::keep_inputs;
-use super::progress;
-use super::scenes;
 use super::terminal::{self, Printer};
-use crate::machine;
+use super::{ground_truth, interrupt, progress, scenes};
 use crate::measure::chart::ground_truth::SHRINK;
 use crate::measure::chart::pictures::{Line, SEEDS};
 use crate::measure::chart::{Plan, kernels};
-use crate::output;
-use crate::render::Methods;
-use crate::render::{LaneChoice, Settings};
+use crate::render::{LaneChoice, Methods, Settings};
 use crate::report::chart::{Chart, SCHEMA, drawings, text, warnings};
 use crate::report::page::page;
 use crate::report::settings::{RunSettings, own_size, own_sizes};
 use crate::report::tables::{json, tables};
 use crate::scene::{MAX_BOUNCES, Scene, bench_names};
 use crate::wording::counted;
+use crate::{machine, output};
 use clap::Parser;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,7 @@
 //! `--checkpoint`: saves the film every few seconds and resumes from it.
 
 use super::error::{CliError, describe, refuse};
-use super::interrupt;
-use super::terminal;
+use super::{interrupt, terminal};
 use crate::checkpoint::{self, Checkpoint, CheckpointError, Header};
 use crate::film::Film;
 use crate::output::OutputError;

@@ -7,8 +7,9 @@ use crate::choice::Choice;
 use crate::lane::WIDTHS;
 use crate::lights::LightChoice;
 use crate::machine;
-use crate::render::{LaneChoice, PipelineChoice, Settings};
-use crate::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use crate::render::{
+    LaneChoice, Methods, PipelineChoice, Settings, SphereChoice, TraversalChoice, TriangleChoice,
+};
 use crate::report::settings::RunSettings;
 use crate::sampling::Sampler;
 use crate::scene::{Loaded, MAX_BOUNCES, Rendering, Scene};

@@ -2,16 +2,14 @@
 
 use super::checkpoint::CheckpointWriter;
 use super::error::{CliError, INTERRUPTED, refuse};
-use super::interrupt;
 use super::jobs::{Job, RenderOptions, jobs, keep_files, refuse_shard};
 use super::limits::Limits;
-use super::memory;
 use super::options::warn_of_lost_hierarchy;
 use super::outputs::is_same;
 use super::progress::Progress;
-use super::scenes;
 use super::terminal::{self, Printer};
 use super::trace::{Traced, trace};
+use super::{interrupt, memory, scenes};
 use crate::adaptive::ErrorEstimate;
 use crate::camera::Tile;
 use crate::checkpoint::{self, Header, Identity, Shard};

@@ -1,9 +1,8 @@
 //! `octray stability`: where methods fail, as a table, as JSON and as charts.
 
 use super::error::CliError;
-use super::interrupt;
-use super::progress;
 use super::terminal::Printer;
+use super::{interrupt, progress};
 use crate::measure::stability::{self, Effort, TestCase, test_cases};
 use crate::output::{self, Existing};
 use crate::report::stability::{Report, drawings, summary, table, verdict};

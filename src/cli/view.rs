@@ -1,18 +1,16 @@
 //! `octray view`: walks through scenes in a terminal or, with the feature `window`, in a window.
 //!
 use super::error::CliError;
-use super::memory;
 use super::numbers::whole;
 use super::options::PictureOptions;
-use super::scenes;
 use super::terminal::{self, Printer};
+use super::{memory, scenes};
 use crate::machine::{self, Machine};
 use crate::render::Settings;
 use crate::report::numbers::figure;
 use crate::scene::{Loaded, builtin_names};
-use crate::viewer::keys;
 use crate::viewer::playlist::Playlist;
-use crate::viewer::{self, Summary};
+use crate::viewer::{self, Summary, keys};
 use crate::wording::counted;
 use serde::Serialize;
 use std::ffi::{OsStr, OsString};

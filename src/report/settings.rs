@@ -4,8 +4,7 @@
 use super::text::paragraph;
 use crate::lights::LightChoice;
 use crate::machine::Machine;
-use crate::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
-use crate::render::{PipelineChoice, Settings};
+use crate::render::{Methods, PipelineChoice, Settings, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::wording::counted;

@@ -6,12 +6,10 @@
 use crate::buffers::Features;
 use crate::lane::WIDTHS;
 use crate::lights::LightChoice;
-use crate::render::{PipelineChoice, Renderer, Settings};
-use crate::render::{SphereChoice, TraversalChoice, TriangleChoice};
+use crate::render::{PipelineChoice, Renderer, Settings, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
-use crate::traverse::Traversal;
-use crate::traverse::list_cost;
+use crate::traverse::{Traversal, list_cost};
 use serde::Serialize;
 
 /// Settings under a name.

@@ -11,8 +11,7 @@ use crate::kernel::ray_sphere::Robust;
 use crate::kernel::ray_triangle::Woop;
 use crate::math::MISS;
 use crate::reference::{Reference, Verdict};
-use crate::render::Methods;
-use crate::render::PrimaryHit;
+use crate::render::{Methods, PrimaryHit};
 use crate::scene::{Camera, Scene};
 
 pub(super) fn test_cases() -> Vec<TestCase> {

@@ -97,6 +97,21 @@ impl TimedRenderer {
     }
 }
 
+/// Runs work on the threads of a renderer, each on a core of its own. Returns its result, its milliseconds, and
+/// their reliability.
+pub(crate) fn time_on_cores<R: Send>(
+    renderer: &Renderer,
+    work: impl FnOnce() -> R + Send,
+) -> (R, f64, Reliability) {
+    let timed = || {
+        let start = Instant::now();
+        (work(), 1e3 * start.elapsed().as_secs_f64())
+    };
+    let threads = renderer.settings().threads;
+    let ((result, ms), reliability) = renderer.on_threads(|| on_own_cores(threads, timed));
+    (result, ms, reliability)
+}
+
 /// The ratio of two speeds: the median over the rounds of each round's own ratio. A slow spell of the machine
 /// slows both turns of a round, and few rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

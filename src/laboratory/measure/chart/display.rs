@@ -5,15 +5,16 @@ use crate::display::{Blur, Denoiser, Fxaa, Samples};
 use crate::film::Picture;
 use crate::integrate::aovs::Aovs;
 use crate::integrate::edge_aovs::DenoiserAovs;
-use crate::measure::cores::{Reliability, on_own_cores};
+use crate::measure::cores::Reliability;
 use crate::measure::errors::Errors;
 use crate::measure::flip::Flip;
 use crate::measure::quantiles::{Rounds, Spread};
+use crate::measure::timed::time_on_cores;
 use crate::render::{Renderer, Settings};
 use crate::scene::Scene;
 use crate::tone::Tone;
 use serde::Serialize;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Samples of the pictures.
 pub(crate) const SAMPLES: [u32; 3] = [1, 4, 16];
@@ -81,31 +82,22 @@ pub(crate) fn measure(
     for round in Rounds::within(end, 1, MOST_SEEDS) {
         renderer.set_seed(round as u32 + 1);
         film.clear();
-        let mut frame = Duration::ZERO;
+        let mut frame_ms = 0.0;
         for (samples, of_samples) in SAMPLES.into_iter().zip(taken.chunks_mut(FILTERS.len())) {
             let more = samples - film.samples();
-            let (rendering, of_frame) = renderer.on_threads(|| {
-                on_own_cores(threads, || {
-                    // Untimed: the filters have just used the caches.
-                    renderer.add_samples(&mut renderer.film(), 1);
-                    let start = Instant::now();
-                    renderer.add_samples(&mut film, more);
-                    start.elapsed()
-                })
-            });
-            frame += rendering;
+            // Untimed: the filters have just used the caches.
+            renderer.add_samples(&mut renderer.film(), 1);
+            let ((), rendering_ms, of_frame) =
+                time_on_cores(&renderer, || renderer.add_samples(&mut film, more));
+            frame_ms += rendering_ms;
             let (picture, renderer) = (&film.picture(), &renderer);
             for (filter, taken) in FILTERS.into_iter().zip(of_samples) {
                 let filters = &mut filters;
-                let ((shown, filtering), load) = renderer.on_threads(move || {
-                    on_own_cores(threads, move || {
-                        let start = Instant::now();
-                        (filters.apply(filter, picture, samples, renderer), start.elapsed())
-                    })
-                });
+                let (shown, filter_ms, load) =
+                    time_on_cores(renderer, move || filters.apply(filter, picture, samples, renderer));
                 taken.turns.extend([of_frame, load]);
-                taken.filter_ms.push(1e3 * filtering.as_secs_f64());
-                taken.frame_ms.push(1e3 * frame.as_secs_f64());
+                taken.filter_ms.push(filter_ms);
+                taken.frame_ms.push(frame_ms);
                 taken.rmse.push(Errors::of(shown, &ground_truth.frame).rmse);
                 taken.flip.push(flip.against(shown));
             }

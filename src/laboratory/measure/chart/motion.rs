@@ -9,9 +9,10 @@ use crate::display::{Denoiser, History, Samples, walking_speed};
 use crate::film::Picture;
 use crate::integrate::aovs::Aovs;
 use crate::integrate::edge_aovs::DenoiserAovs;
-use crate::measure::cores::{Reliability, on_own_cores};
+use crate::measure::cores::Reliability;
 use crate::measure::errors::Errors;
 use crate::measure::quantiles::Spread;
+use crate::measure::timed::time_on_cores;
 use crate::render::{Renderer, Settings};
 use crate::scene::{Camera, Scene};
 use glam::Quat;
@@ -192,7 +193,7 @@ fn render_path(
     frames: u32,
     speed: f32,
 ) -> PathFrames {
-    let Settings { resolution, max_bounces, threads, .. } = *renderer.settings();
+    let Settings { resolution, max_bounces, .. } = *renderer.settings();
     let (mut film, mut fresh, mut aovs) = (renderer.film(), Picture::default(), Aovs::default());
     let (mut history, mut denoiser) = (History::default(), Denoiser::default());
     let mut denoiser_aovs = DenoiserAovs::default();
@@ -205,31 +206,21 @@ fn render_path(
         renderer.set_view(scene, &camera, resolution, max_bounces);
         renderer.set_seed(frame + 1);
         film.clear();
-        let ms = |start: Instant| 1e3 * start.elapsed().as_secs_f64();
-        let rendered = || {
-            let start = Instant::now();
-            renderer.add_samples(&mut film, 1);
-            ms(start)
-        };
-        let (rendering, load) = renderer.on_threads(|| on_own_cores(threads, rendered));
-        taken.frame_ms.push(rendering);
+        let ((), frame_ms, load) = time_on_cores(renderer, || renderer.add_samples(&mut film, 1));
+        taken.frame_ms.push(frame_ms);
         taken.turns.push(load);
         film.picture_into(&mut fresh);
-        let start = Instant::now();
-        renderer.on_threads(|| {
+        let ((), reprojection_ms, _) = time_on_cores(renderer, || {
             renderer.aovs_into(&mut aovs);
             history.reproject(&fresh, 1, &aovs, renderer.camera());
         });
-        let reprojected = ms(start);
-        let start = Instant::now();
         let (kept, counts) = (history.shown(), Samples::Each(history.counts()));
-        let clean = renderer.on_threads(|| {
+        let (clean, denoising_ms, _) = time_on_cores(renderer, || {
             renderer.denoiser_aovs_into(&aovs, &mut denoiser_aovs);
             denoiser.filter(kept, counts, &denoiser_aovs)
         });
-        for (filter_ms, ms) in taken.filter_ms.iter_mut().zip([0.0, reprojected, reprojected + ms(start)]) {
-            filter_ms.push(ms);
-        }
+        let filter_ms = [0.0, reprojection_ms, reprojection_ms + denoising_ms];
+        taken.filter_ms.iter_mut().zip(filter_ms).for_each(|(taken, ms)| taken.push(ms));
         if compared.contains(&frame) {
             taken.compared.push((camera, [&fresh, kept, clean].map(Picture::clone)));
         }

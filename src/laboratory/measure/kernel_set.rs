@@ -42,16 +42,17 @@ pub struct Found {
 
 /// Tests every ray against every sphere.
 pub fn all_spheres<L: Lane, S: SphereMethod>(rays: &[Ray<L>], spheres: &[(Point, f32)]) -> Found {
-    let mut sums = HitSums::new();
-    for ray in rays {
-        let precalculated = S::precalculate(ray);
-        for &(center, radius2) in spheres {
-            let (mask, t) =
-                S::test(&precalculated, Vec3::splat(center), L::splat(radius2), L::splat(f32::INFINITY));
-            sums.add(mask, t);
-        }
-    }
-    sums.found()
+    test_all(rays, spheres, S::precalculate, |ray, &(center, radius2)| {
+        S::test(ray, Vec3::splat(center), L::splat(radius2), L::splat(f32::INFINITY))
+    })
+}
+
+/// Tests every ray against every triangle.
+pub fn all_triangles<L: Lane, T: TriangleMethod>(rays: &[Ray<L>], triangles: &[T::Stored]) -> Found {
+    test_all(rays, triangles, T::precalculate, |ray, triangle| {
+        let hit = T::test(ray, triangle, L::splat(f32::INFINITY));
+        (hit.mask, hit.t)
+    })
 }
 
 /// Returns the boxes, by their lower and upper corners: those of the triangles.
@@ -62,49 +63,31 @@ pub(crate) fn boxes() -> Vec<[Point; 2]> {
 
 /// Tests every ray against every box; t is the entry point.
 pub(crate) fn all_boxes<L: Lane, B: BoxMethod>(rays: &[Ray<L>], boxes: &[[Point; 2]]) -> Found {
-    let mut sums = HitSums::new();
+    let prepare = |ray: &Ray<L>| B::precalculate(ray, Padding::new(EXTENT));
+    test_all(rays, boxes, prepare, |ray, &[lo, hi]| {
+        let (near, far) = B::pass(ray, Vec3::splat(lo), Vec3::splat(hi));
+        (near.le(far) & L::zero().le(far), near)
+    })
+}
+
+/// Sums the hits and the distances of all tests, over every lane, so that no test is optimised away.
+#[inline(always)]
+fn test_all<L: Lane, R, P>(
+    rays: &[Ray<L>],
+    primitives: &[P],
+    prepare: impl Fn(&Ray<L>) -> R,
+    test: impl Fn(&R, &P) -> (L::Mask, L),
+) -> Found {
+    let (mut hits, mut distance) = (0, L::zero());
     for ray in rays {
-        let precalculated = B::precalculate(ray, Padding::new(EXTENT));
-        for &[lo, hi] in boxes {
-            let (near, far) = B::pass(&precalculated, Vec3::splat(lo), Vec3::splat(hi));
-            sums.add(near.le(far) & L::zero().le(far), near);
+        let ray = prepare(ray);
+        for primitive in primitives {
+            let (mask, t) = test(&ray, primitive);
+            hits += mask.count();
+            distance = distance + t.only(mask);
         }
     }
-    sums.found()
-}
-
-/// Tests every ray against every triangle.
-pub fn all_triangles<L: Lane, T: TriangleMethod>(rays: &[Ray<L>], triangles: &[T::Stored]) -> Found {
-    let mut sums = HitSums::new();
-    for ray in rays {
-        let precalculated = T::precalculate(ray);
-        for triangle in triangles {
-            let hit = T::test(&precalculated, triangle, L::splat(f32::INFINITY));
-            sums.add(hit.mask, hit.t);
-        }
-    }
-    sums.found()
-}
-
-/// Sums over every lane of every result, so that no test is optimised away.
-struct HitSums<L> {
-    hits: usize,
-    distance: L,
-}
-
-impl<L: Lane> HitSums<L> {
-    fn new() -> Self {
-        Self { hits: 0, distance: L::zero() }
-    }
-    #[inline(always)]
-    fn add(&mut self, mask: L::Mask, t: L) {
-        self.hits += mask.count();
-        self.distance = self.distance + t.only(mask);
-    }
-    fn found(&self) -> Found {
-        let distance = (0..L::WIDTH).map(|lane| self.distance.get(lane)).sum();
-        Found { hits: self.hits, distance }
-    }
+    Found { hits, distance: (0..L::WIDTH).map(|lane| distance.get(lane)).sum() }
 }
 
 /// Returns random number `number` of item `item`, uniform in [0, 1): the same in every run, and independent

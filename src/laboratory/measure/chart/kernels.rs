@@ -82,29 +82,21 @@ type Work = Box<dyn Fn() -> Found>;
 /// The work of one method at a width.
 type WorkOf = fn(usize) -> Work;
 
-fn spheres<S: SphereMethod>(lanes: usize) -> Work {
-    if lanes == 1 { sphere_tests::<f32, S>() } else { sphere_tests::<Native, S>() }
+/// Defines the function that returns the work of a family's method at a width.
+macro_rules! work {
+    ($work:ident, $Method:ident, $primitives:expr, $test:ident) => {
+        fn $work<M: $Method>(lanes: usize) -> Work {
+            fn at<L: Lane, M: $Method>() -> Work {
+                let (rays, primitives) = (set::rays::<L>(), $primitives);
+                Box::new(move || set::$test::<L, M>(black_box(&rays), black_box(&primitives)))
+            }
+            if lanes == 1 { at::<f32, M>() } else { at::<Native, M>() }
+        }
+    };
 }
-fn sphere_tests<L: Lane, S: SphereMethod>() -> Work {
-    let (rays, spheres) = (set::rays::<L>(), set::spheres());
-    Box::new(move || set::all_spheres::<L, S>(black_box(&rays), black_box(&spheres)))
-}
-
-fn triangles<T: TriangleMethod>(lanes: usize) -> Work {
-    if lanes == 1 { triangle_tests::<f32, T>() } else { triangle_tests::<Native, T>() }
-}
-fn triangle_tests<L: Lane, T: TriangleMethod>() -> Work {
-    let (rays, triangles) = (set::rays::<L>(), set::triangles::<T>());
-    Box::new(move || set::all_triangles::<L, T>(black_box(&rays), black_box(&triangles)))
-}
-
-fn boxes<B: BoxMethod>(lanes: usize) -> Work {
-    if lanes == 1 { box_tests::<f32, B>() } else { box_tests::<Native, B>() }
-}
-fn box_tests<L: Lane, B: BoxMethod>() -> Work {
-    let (rays, boxes) = (set::rays::<L>(), set::boxes());
-    Box::new(move || set::all_boxes::<L, B>(black_box(&rays), black_box(&boxes)))
-}
+work!(spheres, SphereMethod, set::spheres(), all_spheres);
+work!(triangles, TriangleMethod, set::triangles::<M>(), all_triangles);
+work!(boxes, BoxMethod, set::boxes(), all_boxes);
 
 /// A kernel while it is timed.
 struct TimedKernel {

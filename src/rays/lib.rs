@@ -70,5 +70,5 @@ pub use coordinates::Coordinates;
 pub use geometry::{Geometry, Shape};
 pub use kind::Sphere;
 pub use math::MISS;
-pub use numbering::{Kind, KindCounts};
+pub use numbering::{Kind, KindCounts, KindRanges};
 pub use traverse::{Structure, Tracer, Traversal};

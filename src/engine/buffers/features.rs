@@ -106,7 +106,7 @@ impl Features {
         };
         need(!scene.spheres.is_empty(), Self::SPHERES);
         need(!scene.triangles.is_empty(), Self::TRIANGLES);
-        need(scene.first_triangle() > Rows::FEW, Self::MANY_SPHERES);
+        need(scene.spheres.len() > Rows::FEW, Self::MANY_SPHERES);
         // Two rows a triangle.
         need(2 * scene.triangles.len() > Rows::FEW, Self::MANY_TRIANGLES);
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);

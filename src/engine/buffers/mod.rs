@@ -15,6 +15,7 @@ pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::{metal_rough, plastic};
 use crate::kernel::surface;
+use crate::rays::{Kind, KindRanges};
 use crate::scene::{self, MaterialKind, Scene};
 use glam::Vec3;
 use rows::Rows;
@@ -23,8 +24,10 @@ use rows::Rows;
 pub struct Buffers {
     /// The features that the scene uses.
     pub needs: Features,
-    /// The number of the first triangle: spheres come first.
-    pub first_triangle: u32,
+    /// The numbers of each kind of primitive.
+    pub ranges: KindRanges,
+    /// The number of spheres.
+    pub spheres: u32,
     /// One row of eight a sphere: see [`SphereRow`].
     pub sphere_rows: Rows,
     /// Two rows of eight a triangle: see [`TriangleRow`].
@@ -119,7 +122,7 @@ impl MaterialCode {
 impl Buffers {
     /// Flattens a scene. `light` says of each primitive, by its number, how it is sampled as a light.
     pub fn new(scene: &Scene, light: impl Fn(usize) -> SampledAs) -> Self {
-        let first_triangle = scene.first_triangle();
+        let first_triangle = scene.counts().first(Kind::Triangle);
         let spheres = scene.spheres.iter().enumerate().map(|(number, sphere)| {
             let offset = scene.primitive(number).shape().offset();
             geometry::sphere_row(sphere, offset, light(number))
@@ -129,7 +132,8 @@ impl Buffers {
         let triangles = scene.triangles.iter().enumerate();
         Self {
             needs: Features::of(scene),
-            first_triangle: first_triangle as u32,
+            ranges: KindRanges::new(scene.counts()),
+            spheres: scene.spheres.len() as u32,
             sphere_rows: Rows::new(spheres),
             are_parallel: scene.triangles.iter().map(normal).all(|n| n == first_normal || n == -first_normal),
             triangle_rows: Rows::new(triangles.flat_map(|(number, triangle)| {

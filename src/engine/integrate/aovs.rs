@@ -14,6 +14,7 @@ use crate::buffers::{Features, MaterialCode};
 use crate::camera::MAX_PIXELS;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::rays::Kind;
 
 /// Lanes of the pass. AOVs are the same at any width.
 type L = F32x8;
@@ -210,8 +211,7 @@ impl Seen {
     fn planes(&self, context: &TraceContext) -> [L; PLANES] {
         let Self { hit, found, normal, albedo, scale, lobe, object, .. } = self;
         let distance = L::select(*found, hit.t, L::splat(f32::INFINITY));
-        let first_triangle = B::splat(context.buffers.first_triangle);
-        let on_triangle = *found & !hit.primitive.less(first_triangle);
+        let on_triangle = *found & context.buffers.ranges.are_of_kind(Kind::Triangle, hit.primitive);
         let weight = |weight| L::select(on_triangle, weight, L::zero());
         [
             distance,

@@ -6,7 +6,7 @@ use crate::buffers::TriangleRow;
 use crate::kernel::surface::inset;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{EPSILON, Hit, MISS};
-use crate::rays::{Hits, Rays};
+use crate::rays::{Hits, Kind, Rays};
 use crate::traverse::Tracer;
 use std::ops::Range;
 
@@ -32,17 +32,18 @@ pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
     scratch: &mut Scratch,
     paths: Range<usize>,
 ) {
-    let first_triangle = L::Bits::splat(context.buffers.first_triangle);
+    let ranges = context.buffers.ranges;
     for at in paths.clone().step_by(L::WIDTH) {
         let hit: Hit<L> = scratch.queue.hit(at);
-        let on_triangle = hit.found() & !hit.primitive.less(first_triangle) & L::Mask::first(paths.end - at);
+        let on_triangle = hit.found() & ranges.are_of_kind(Kind::Triangle, hit.primitive);
+        let on_triangle = on_triangle & L::Mask::first(paths.end - at);
         let near = on_triangle & hit.least_weight().lt(L::splat(MOST));
         if !near.any() {
             continue;
         }
         let ray = context.path::<L, N, FIRST>(&scratch.queue, at).ray;
-        let triangle = L::Bits::select(near, hit.primitive, first_triangle);
-        let triangle = triangle.wrapping_add(L::Bits::splat(context.buffers.first_triangle.wrapping_neg()));
+        let index = ranges.index_in_kind(Kind::Triangle, hit.primitive);
+        let triangle = L::Bits::select(near, index, L::Bits::splat(0));
         let TriangleRow { a, edges, ng, offset, near_edge, .. } =
             TriangleRow::fetch(&context.buffers.triangle_rows, triangle, false);
         // As `triangle_offset`, of a ray that comes from far away.

@@ -4,6 +4,7 @@ use super::flat::{Flat, blend, inside, sides};
 use super::power::Emitted;
 use super::{ChosenLight, Lights};
 use crate::lane::{Bits, Lane};
+use crate::rays::Kind;
 use crate::scene::Filter;
 use glam::DVec2;
 
@@ -54,7 +55,7 @@ impl Emitted<'_> {
     /// and of triangles that are about as bright everywhere, or whose brightness depends on the level of
     /// detail.
     pub(super) fn piece_shares(&self, number: usize, side: usize) -> Option<Vec<f64>> {
-        let uvs = self.scene.uvs.get(number.checked_sub(self.scene.first_triangle())?)?;
+        let uvs = self.scene.uvs.get(number.checked_sub(self.scene.counts().first(Kind::Triangle))?)?;
         let material = &self.scene.materials[self.scene.primitive(number).material() as usize];
         let (texture, emission) = (self.texture(material)?, material.emission.as_dvec3());
         let filter = texture.filter();

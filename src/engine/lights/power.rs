@@ -2,6 +2,7 @@
 
 use super::{flat, sphere};
 use crate::buffers::mip_chain::halve;
+use crate::rays::Kind;
 use crate::scene::{Filter, Material, MaterialKind, Primitive, Scene, Sphere, Texture};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
@@ -41,10 +42,12 @@ impl<'a> Emitted<'a> {
         };
         let (sum, weights) = match self.scene.primitive(number) {
             Primitive::Sphere(_) => sphere::sum_of_texels(texture),
-            Primitive::Triangle(_) => match self.scene.uvs.get(number - self.scene.first_triangle()) {
-                Some(uvs) => flat::sum_of_texels(texture, uvs),
-                None => return 0.0,
-            },
+            Primitive::Triangle(_) => {
+                match self.scene.uvs.get(number - self.scene.counts().first(Kind::Triangle)) {
+                    Some(uvs) => flat::sum_of_texels(texture, uvs),
+                    None => return 0.0,
+                }
+            }
         };
         (material.emission.as_dvec3() * sum).element_sum() / (3.0 * weights)
     }

@@ -8,6 +8,7 @@ use super::power::{Emitted, has_texture};
 use super::table::LightRow;
 use super::{EnvironmentLight, LightChoice, overlaps, pieces, sphere};
 use crate::math::MISS;
+use crate::rays::Kind;
 use crate::scene::{MaterialKind, Primitive, Scene, Sphere};
 use std::collections::HashMap;
 
@@ -106,7 +107,7 @@ impl<'a> Selection<'a> {
     /// parallelograms and split into pieces.
     fn add_primitives(&mut self, emitted: &Emitted<'a>, powers: &[f64], merge: bool) {
         let scene = emitted.scene;
-        let first_triangle = scene.first_triangle();
+        let first_triangle = scene.counts().first(Kind::Triangle);
         let is_textured = |&number: &usize| merge && powers[number] > 0.0 && has_texture(scene, number);
         let textured: Vec<usize> = (first_triangle..powers.len()).filter(is_textured).collect();
         let side = pieces::side(textured.len());

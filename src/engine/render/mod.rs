@@ -17,9 +17,9 @@ use crate::lights::Lights;
 use crate::math::{Hit, MISS};
 use crate::path_vertex::PathVertex;
 use crate::rays::Candidates;
+use crate::rays::{Geometry, Kind};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
-use octray_rays::Geometry;
 use rayon::prelude::*;
 
 /// Limit on primitives times tiles for which [`Candidates`] are found: some tens of milliseconds. With
@@ -245,8 +245,8 @@ impl Renderer {
     /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut scratch = Scratch::new();
-        let first_triangle = self.context.buffers.first_triangle;
-        let on_triangle = |primitive: u32| primitive != MISS && primitive >= first_triangle;
+        let ranges = self.context.buffers.ranges;
+        let on_triangle = |primitive: u32| primitive != MISS && ranges.are_of_kind(Kind::Triangle, primitive);
         let of_tile = |tile: Tile| {
             let paths = match self.settings.lanes {
                 1 => generate::<f32>(&self.context, (0, tile), sample, 0, &mut scratch),

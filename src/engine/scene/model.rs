@@ -7,7 +7,7 @@ use super::camera::Camera;
 use super::material::Material;
 use super::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
-use octray_rays::{Coordinates, Geometry, Shape};
+use octray_rays::{Coordinates, Geometry, Kind, KindCounts, Shape};
 use std::path::PathBuf;
 
 /// A valid scene: every index is in range, every number finite, every radius positive, no triangle has zero
@@ -65,13 +65,13 @@ pub struct Unrounded {
 impl Scene {
     /// The number of primitives.
     pub fn primitives(&self) -> usize {
-        self.first_triangle() + self.triangles.len()
+        self.counts().total()
     }
-    /// The number of quadrics, which are all primitives but triangles, and that of the first triangle.
-    pub fn first_triangle(&self) -> usize {
-        self.spheres.len()
+    /// Returns the numbers of primitives by kind.
+    pub fn counts(&self) -> KindCounts {
+        KindCounts([self.spheres.len(), self.triangles.len()])
     }
-    /// All primitives, as hits number them: quadrics (spheres) first, then triangles.
+    /// All primitives, as hits number them: spheres first, then triangles.
     pub fn all_primitives(&self) -> impl Iterator<Item = Primitive<'_>> {
         self.spheres.iter().map(Primitive::Sphere).chain(self.triangles.iter().map(Primitive::Triangle))
     }
@@ -80,16 +80,20 @@ impl Scene {
     /// # Panics
     /// If there are not so many.
     pub fn primitive(&self, number: usize) -> Primitive<'_> {
-        match self.spheres.get(number) {
-            Some(sphere) => Primitive::Sphere(sphere),
-            None => Primitive::Triangle(&self.triangles[number - self.first_triangle()]),
+        let kind = self.counts().kind_of(number);
+        let index = number - self.counts().first(kind);
+        match kind {
+            Kind::Sphere => Primitive::Sphere(&self.spheres[index]),
+            Kind::Triangle => Primitive::Triangle(&self.triangles[index]),
         }
     }
     /// The list in which a scene file has a primitive, by its number, and its place there.
     pub fn place(&self, number: usize) -> (&'static str, usize) {
-        match number.checked_sub(self.first_triangle()) {
-            None => ("spheres", number),
-            Some(index) => ("triangles", index),
+        let kind = self.counts().kind_of(number);
+        let index = number - self.counts().first(kind);
+        match kind {
+            Kind::Sphere => ("spheres", index),
+            Kind::Triangle => ("triangles", index),
         }
     }
     /// Whether any primitive emits light.

@@ -35,6 +35,15 @@ pub struct Abilities {
     pub levels: bool,
 }
 
+/// What a lookup reads.
+#[derive(Clone, Copy)]
+struct Lookup<L: Lane> {
+    /// The lanes that read.
+    active: L::Mask,
+    abilities: Abilities,
+    texel_kind: TexelKind,
+}
+
 impl Textures {
     pub(super) fn new(textures: &[Texture]) -> Self {
         let (mut display, mut linear) = (vec![0], vec![[0.0; 4]]);
@@ -91,7 +100,7 @@ impl Textures {
         let index = L::Bits::select(active, index, L::Bits::splat(0));
         let [width, height, first, is_bilinear, is_linear, ..] = self.grids.fetch::<L>(index, self.few);
         let grid = Grid { width, height, first: first.to_bits() };
-        self.filter(&grid, (is_bilinear, is_linear), at, active, abilities, texel_kind)
+        self.filter(&grid, [is_bilinear, is_linear], at, Lookup { active, abilities, texel_kind })
     }
 
     /// The indices of the texels of texture `index` that are nearest to a point; 0 in lanes that are not
@@ -134,12 +143,12 @@ impl Textures {
         let index = L::Bits::select(active, index, zero);
         let [width, height, _, is_bilinear, is_linear, last, row, _] = self.grids.fetch::<L>(index, self.few);
         let abilities = Abilities { bilinear: true, linear: true, levels: true };
-        let filter = |level: L, lanes: L::Mask| {
+        let filter = |level: L, active: L::Mask| {
             let index = row.to_bits().wrapping_add(level.truncate_to_int());
             let [width, height, first, ..] =
-                self.levels.fetch::<L>(L::Bits::select(lanes, index, zero), false);
+                self.levels.fetch::<L>(L::Bits::select(active, index, zero), false);
             let grid = Grid { width, height, first: first.to_bits() };
-            self.filter(&grid, (is_bilinear, is_linear), at, lanes, abilities, texel_kind)
+            self.filter(&grid, [is_bilinear, is_linear], at, Lookup { active, abilities, texel_kind })
         };
         let level = level_of_detail(at.footprint, width * height, last);
         let lower = level.floor();
@@ -158,14 +167,13 @@ impl Textures {
     fn filter<L: Lane>(
         &self,
         grid: &Grid<L>,
-        (is_bilinear, is_linear): (L, L),
+        [is_bilinear, is_linear]: [L; 2],
         TexturePoint { u, v, clamp_v, .. }: TexturePoint<L>,
-        active: L::Mask,
-        abilities: Abilities,
-        texel_kind: TexelKind,
+        lookup: Lookup<L>,
     ) -> Vec3<L> {
+        let Lookup { active, abilities, .. } = lookup;
         let linear = active & L::zero().lt(is_linear);
-        let read = |texel: L::Bits| self.read::<L>(texel, active, linear, abilities, texel_kind);
+        let read = |texel: L::Bits| self.read::<L>(texel, linear, lookup);
         let smooth = active & L::zero().lt(is_bilinear);
         if abilities.bilinear && smooth.any() {
             let (texels, right, lower) = grid.bilinear(u, v, clamp_v);
@@ -182,15 +190,13 @@ impl Textures {
         }
     }
 
-    /// Texels of the lanes in `active`; those in `linear` come from the pool of linear radiance.
+    /// Returns texels; those of the lanes in `linear` come from the pool of linear radiance.
     #[inline(always)]
     fn read<L: Lane>(
         &self,
         texel: L::Bits,
-        active: L::Mask,
         linear: L::Mask,
-        abilities: Abilities,
-        texel_kind: TexelKind,
+        Lookup { active, abilities, texel_kind }: Lookup<L>,
     ) -> Vec3<L> {
         let zero = L::Bits::splat(0);
         let display = active & !linear;

@@ -1,12 +1,12 @@
 //! The BSDF of a surface, over all lobes that the pipeline has.
 
 use super::context::{has, is_general};
-use super::material::MaterialSample;
+use super::material::{FacingNormals, MaterialSample};
 use super::queue::Path;
 use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::plastic::PlasticView;
-use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, Horizon, LobeEval, LobeNormals};
+use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval, LobeNormals};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
 use crate::sampling::{PacketValues, dimension};
@@ -102,7 +102,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     found: L::Mask,
 ) -> ScatteredPath<L> {
     let d = path.ray.direction;
-    let normals = FacingNormals::of::<N>(d, surface, material);
+    let normals = FacingNormals::new::<N>(d, surface, material);
     let nothing = L::Mask::splat(false);
     let offset_origin = normals.ng.mul_add(surface.offset, leaving_point::<L, N>(surface, material, nothing));
     let wi = normals.lobes.specular;
@@ -173,7 +173,7 @@ pub fn follow_delta<L: Lane, const N: u32>(
     material: &MaterialSample<L>,
     found: L::Mask,
 ) -> (Ray<L>, Vec3<L>, L::Mask) {
-    let FacingNormals { ng, lobes, outside } = FacingNormals::of::<N>(d, surface, material);
+    let FacingNormals { ng, lobes, outside } = FacingNormals::new::<N>(d, surface, material);
     let (mut sample, mut color) = (sample_mirror(d, &lobes), material.color);
     let glass = material.has_lobe(MaterialCode::GLASS, found);
     if glass.any() {
@@ -298,7 +298,7 @@ pub fn evaluate<L: Lane, const N: u32>(
     towards: Vec3<L>,
     mask: L::Mask,
 ) -> BsdfEval<L> {
-    let normals = FacingNormals::of::<N>(d, surface, material);
+    let normals = FacingNormals::new::<N>(d, surface, material);
     let eval = BsdfEval { value: Vec3::zero(), pdf: L::zero() };
     let mut evaluation = Evaluation { d, towards, lobes: &normals.lobes, material, plastic, eval };
     visit_lobes::<L, N>(material, mask, &mut evaluation);
@@ -375,32 +375,4 @@ pub fn has_sampled_lobe<L: Lane, const N: u32>(material: &MaterialSample<L>) -> 
         sampled = sampled | has_lobe(MaterialCode::METAL_ROUGH);
     }
     sampled
-}
-
-/// The normals of a surface, flipped to the side from which the ray arrives.
-#[derive(Clone, Copy)]
-struct FacingNormals<L: Lane> {
-    /// Geometric normal: decides sides.
-    ng: Vec3<L>,
-    lobes: LobeNormals<L>,
-    /// The ray arrives at the outward side.
-    outside: L::Mask,
-}
-
-impl<L: Lane> FacingNormals<L> {
-    #[inline(always)]
-    fn of<const N: u32>(d: Vec3<L>, surface: &Surface<L>, material: &MaterialSample<L>) -> Self {
-        let cosine = d.dot(surface.ng);
-        let ng = surface.ng.flip_sign(-cosine);
-        let mut lobes = LobeNormals::flat(ng);
-        let bent = material.has_shading_normal;
-        if Features(N).meets(Features::SHADING_NORMALS) && bent.any() {
-            let mut normal = ng;
-            if has(N, Features::SMOOTH_NORMALS) {
-                normal = material.interpolated.flip_sign(-cosine);
-            }
-            lobes = LobeNormals::bent(d, material.ns.flip_sign(-cosine), Horizon { bent, normal, ng });
-        }
-        Self { ng, lobes, outside: !L::zero().lt(cosine) }
-    }
 }

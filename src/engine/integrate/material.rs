@@ -5,9 +5,9 @@ use super::context::{abilities, has, is_general, reads_texels_first};
 use super::queue::Path;
 use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
-use crate::kernel::bsdf::ggx;
 use crate::kernel::bsdf::metal_rough::MetalRough;
 use crate::kernel::bsdf::plastic::Plastic;
+use crate::kernel::bsdf::{Horizon, LobeNormals, ggx};
 use crate::kernel::normals;
 use crate::kernel::ray_cone::Cone;
 use crate::kernel::texture::{TexturePoint, srgb_to_linear};
@@ -305,4 +305,34 @@ pub fn scattered_cone<L: Lane>(
     // Refraction at a sphere bends otherwise.
     let curvature = L::select(is(MaterialCode::GLASS), zero, surface.curvature().flip_sign(surface.facing));
     path.cone.scattered(surface.cone_width, surface.facing, curvature, lobe)
+}
+
+/// The normals of a surface, flipped to the side from which the ray arrives.
+#[derive(Clone, Copy)]
+pub struct FacingNormals<L: Lane> {
+    /// Geometric normal: decides sides.
+    pub ng: Vec3<L>,
+    /// Those of the lobes.
+    pub lobes: LobeNormals<L>,
+    /// The ray arrives at the outward side.
+    pub outside: L::Mask,
+}
+
+impl<L: Lane> FacingNormals<L> {
+    /// Returns the normals for rays that arrive along `d`.
+    #[inline(always)]
+    pub fn new<const N: u32>(d: Vec3<L>, surface: &Surface<L>, material: &MaterialSample<L>) -> Self {
+        let cosine = d.dot(surface.ng);
+        let ng = surface.ng.flip_sign(-cosine);
+        let mut lobes = LobeNormals::flat(ng);
+        let bent = material.has_shading_normal;
+        if Features(N).meets(Features::SHADING_NORMALS) && bent.any() {
+            let mut normal = ng;
+            if has(N, Features::SMOOTH_NORMALS) {
+                normal = material.interpolated.flip_sign(-cosine);
+            }
+            lobes = LobeNormals::bent(d, material.ns.flip_sign(-cosine), Horizon { bent, normal, ng });
+        }
+        Self { ng, lobes, outside: !L::zero().lt(cosine) }
+    }
 }

@@ -84,7 +84,7 @@ pub(super) fn sample(
             let ior = f64::from(ior);
             let alpha = (f64::from(roughness) * rougher).powi(2);
             let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
-            return metal_rough(color, (alpha, f0, f64::from(metallic)), d, normals, number);
+            return metal_rough(color, [alpha, f0, f64::from(metallic)], d, normals, number);
         }
     };
     sample.map(|(towards, weight)| (towards, color * weight, is_delta))
@@ -217,7 +217,7 @@ fn plastic(
 /// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs`.
 fn metal_rough(
     color: DVec3,
-    (alpha, f0, metallic): (f64, f64, f64),
+    [alpha, f0, metallic]: [f64; 3],
     d: DVec3,
     normals: &Normals,
     number: impl Fn(u32) -> f64,

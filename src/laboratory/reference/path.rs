@@ -39,7 +39,7 @@ use super::{lobes, texture};
 use crate::path_vertex::{PathVertex, lobe};
 use crate::sampling::dimension::{PIXEL, bounce};
 use crate::sampling::{PixelCoordinates, SampleValues, Sampler};
-use crate::scene::{MaterialKind, Side, Sky};
+use crate::scene::{Material, MaterialKind, Side, Sky};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -119,14 +119,7 @@ impl Reference {
             let length = width / cosine.abs().max(LEAST_COSINE);
             let area = width * length * surface.density;
             let texel = self.lookup(material.texture, surface.uv, surface.wraps, area);
-            let map = self.lookup(material.roughness_map, surface.uv, surface.wraps, area).min(DVec3::ONE);
-            let (kind, roughness) = match material.kind {
-                MaterialKind::MetalRough { roughness, metallic, ior } => {
-                    let metallic = (f64::from(metallic) * map.z) as f32;
-                    (MaterialKind::MetalRough { roughness, metallic, ior }, map.y)
-                }
-                kind => (kind, map.x),
-            };
+            let (kind, roughness) = self.mapped_kind(material, &surface, area);
             let ns = self.mapped_normal(material.normal_map, &surface, area).or(surface.ns);
             let normals = lobes::Normals::facing(direction, surface.ng, ns, surface.ns);
             // 4. Emission.
@@ -169,6 +162,18 @@ impl Reference {
             origin = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
         }
         vertices
+    }
+
+    /// Returns the kind of material, and the factor of its roughness, that the roughness map gives.
+    fn mapped_kind(&self, material: &Material, surface: &Surface, area: f64) -> (MaterialKind, f64) {
+        let map = self.lookup(material.roughness_map, surface.uv, surface.wraps, area).min(DVec3::ONE);
+        match material.kind {
+            MaterialKind::MetalRough { roughness, metallic, ior } => {
+                let metallic = (f64::from(metallic) * map.z) as f32;
+                (MaterialKind::MetalRough { roughness, metallic, ior }, map.y)
+            }
+            kind => (kind, map.x),
+        }
     }
 
     /// The shading normal of a normal map, on the outward side; `None` without a map or a tangent.

@@ -74,26 +74,31 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             ),
             ..TestCase::COMMON
         },
-        TestCase {
-            name: "textures-tiled",
-            title: "Coordinates between the corners of a triangle, far from their first repeat",
-            axis: "|u| in repeats",
-            places: &[1.0, 10.0, 1e3, 1e5, 1e6, 1e7, 1e9, 1e18],
-            failure: "coordinate is NaN",
-            error: Some("|Δu| in repeats"),
-            source: "rounding of a + (b − a) u + (c − a) v, relative to a",
-            inputs: 50_000,
-            methods: compare(
-                tiled,
-                &[
-                    ("as-written", |corners| corners),
-                    ("repeats-taken-away", |corners| remove_shared_repeats(corners.map(f64::from))),
-                ],
-            ),
-            // Corners are at most two repeats apart, or two steps of single precision.
-            bound: |u| Bound::error(6.0 * EPSILON * (2.0_f64).max(4.0 * EPSILON * u)),
-        },
+        tiled_coordinates(),
     ]
+}
+
+/// Returns the test case of coordinates far from their first repeat.
+fn tiled_coordinates() -> TestCase {
+    TestCase {
+        name: "textures-tiled",
+        title: "Coordinates between the corners of a triangle, far from their first repeat",
+        axis: "|u| in repeats",
+        places: &[1.0, 10.0, 1e3, 1e5, 1e6, 1e7, 1e9, 1e18],
+        failure: "coordinate is NaN",
+        error: Some("|Δu| in repeats"),
+        source: "rounding of a + (b − a) u + (c − a) v, relative to a",
+        inputs: 50_000,
+        methods: compare(
+            tiled,
+            &[
+                ("as-written", |corners| corners),
+                ("repeats-taken-away", |corners| remove_shared_repeats(corners.map(f64::from))),
+            ],
+        ),
+        // Corners are at most two repeats apart, or two steps of single precision.
+        bound: |u| Bound::error(6.0 * EPSILON * (2.0_f64).max(4.0 * EPSILON * u)),
+    }
 }
 
 /// Returns the textbook cosine of the latitude.

@@ -1,5 +1,5 @@
-//! Runs the render loop: handles events, moves the camera, accumulates samples until a frame is due, publishes
-//! the frame.
+//! Runs the render loop: handles events, moves the camera, accumulates samples until a frame is due,
+//! publishes the frame.
 //!
 //! While the camera rests, samples accumulate in the film from the first one on, with the requested seed: the
 //! picture has the bits of `octray render` with the same number of samples. While it moves, each frame starts

@@ -101,8 +101,8 @@ impl State {
         self.name == self.playlist.current()
     }
 
-    /// Enters the playlist's current scene. A scene that was left before gets its camera and bounces back; one
-    /// that is shown already was reloaded and keeps them.
+    /// Enters the playlist's current scene. A scene that was left before gets its camera and bounces back;
+    /// one that is shown already was reloaded and keeps them.
     pub fn enter_scene(&mut self, scene: &Scene) {
         let own = self.bounces.unwrap_or(scene.max_bounces);
         let own_before = std::mem::replace(&mut self.scene_bounces, own);

@@ -1,7 +1,7 @@
 //! Shows frames in a terminal, as half blocks in true colour, and sends its keys.
 //!
-//! Most terminals do not report key releases. There a key counts as held for `KEY_TIMEOUT` after each press or
-//! repetition.
+//! Most terminals do not report key releases. There a key counts as held for `KEY_TIMEOUT` after each press
+//! or repetition.
 
 use super::cell_buffer::CellBuffer;
 use super::frame::Frame;

@@ -1,5 +1,5 @@
-//! Saves the sums of a film in a file, bit by bit, so that a rendering can resume. The shards of a picture are
-//! files in this format, and [`merge`](mod@merge) joins them.
+//! Saves the sums of a film in a file, bit by bit, so that a rendering can resume. The shards of a picture
+//! are files in this format, and [`merge`](mod@merge) joins them.
 //!
 //! # Format, version 3
 //! All numbers are little-endian; a word has 32 bits.

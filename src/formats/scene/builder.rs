@@ -158,13 +158,13 @@ impl SceneBuilder {
         self.colors.materials.insert(material, colored);
         Some(colored)
     }
-    /// Computes planar texture coordinates: positions in the triangle's plane, in the file's coordinates, with
-    /// `size` of its units to one repeat.
+    /// Computes planar texture coordinates: positions in the triangle's plane, in the file's coordinates,
+    /// with `size` of its units to one repeat.
     ///
     /// They depend only on the plane, so that the texture is continuous across coplanar neighbours. On planes
-    /// flatter than [`FLAT`], the texture's upper edge points to −z, and the texture is not mirrored seen from
-    /// above. On steeper planes the upper edge points to +y, and the texture is not mirrored seen from +z or,
-    /// if the normal has no z, from +x.
+    /// flatter than [`FLAT`], the texture's upper edge points to −z, and the texture is not mirrored seen
+    /// from above. On steeper planes the upper edge points to +y, and the texture is not mirrored seen from
+    /// +z or, if the normal has no z, from +x.
     fn planar_uvs(&self, vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
         let [a, b, c] = vertices.map(|vertex| self.scene.coordinates.to_file(vertex.as_dvec3()));
         let n = (b - a).cross(c - a).normalize();

@@ -1,11 +1,11 @@
 //! Interpolates cameras between keyframes.
 //!
 //! Position, target, up and field of view follow a Catmull-Rom spline each: a cubic Hermite spline through
-//! the keyframes whose slope at a keyframe is the slope between its two neighbours, or, at an end, towards its
-//! only neighbour. The speed does not jump at keyframes. Keyframes on a line and evenly apart give a straight
-//! line at even speed. Elsewhere the curve may swing beyond its keyframes, by at most 4/27 of the slopes times
-//! the frames between them. Source: Catmull, Rom, "A class of local interpolating splines", 1974, for
-//! keyframes that need not be evenly apart in time.
+//! the keyframes whose slope at a keyframe is the slope between its two neighbours, or, at an end, towards
+//! its only neighbour. The speed does not jump at keyframes. Keyframes on a line and evenly apart give a
+//! straight line at even speed. Elsewhere the curve may swing beyond its keyframes, by at most 4/27 of the
+//! slopes times the frames between them. Source: Catmull, Rom, "A class of local interpolating splines",
+//! 1974, for keyframes that need not be evenly apart in time.
 
 use glam::DVec3;
 use octray_engine::scene::Camera;
@@ -53,7 +53,8 @@ impl CameraPath {
         }
         let before = next.checked_sub(1)?;
         let first = before.saturating_sub(1);
-        // Two keyframes on each side. A missing outer one repeats the inner one, whose slope is then one-sided.
+        // Two keyframes on each side. A missing outer one repeats the inner one, whose slope is then
+        // one-sided.
         let keys = [first, before, next, (next + 1).min(self.0.len() - 1)].map(|index| &self.0[index]);
         let times = keys.map(|key| f64::from(key.frame));
         let spline = |value: fn(&Camera) -> DVec3| {

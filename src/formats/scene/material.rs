@@ -1,4 +1,5 @@
-//! Converts materials and skies of the native format: checks which keys belong together, and fills in defaults.
+//! Converts materials and skies of the native format: checks which keys belong together, and fills in
+//! defaults.
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;

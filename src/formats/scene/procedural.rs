@@ -147,8 +147,8 @@ fn noise(x: f64, z: f64, octave: u32) -> f64 {
     blend(blend(value(0, 0), value(1, 0), u), blend(value(0, 1), value(1, 1), u), v)
 }
 
-/// Hashes an integer, independently of the renderer's sampling hash. Source: C. Wellons, "Prospecting for hash
-/// functions", 2018.
+/// Hashes an integer, independently of the renderer's sampling hash. Source: C. Wellons, "Prospecting for
+/// hash functions", 2018.
 fn mix(mut x: u32) -> u32 {
     x = (x ^ (x >> 15)).wrapping_mul(0x2c1b_3c6d);
     x = (x ^ (x >> 12)).wrapping_mul(0x297a_2d39);

@@ -253,8 +253,8 @@ fn profile(
     Some(colorimetry::chromatic(gamma, primaries))
 }
 
-/// Makes texels of the linear values of HDR and EXR files. Values below 0, which filters leave, and NaN become
-/// 0. Infinity, which stands for values beyond the range of a half, becomes the largest other number.
+/// Makes texels of the linear values of HDR and EXR files. Values below 0, which filters leave, and NaN
+/// become 0. Infinity, which stands for values beyond the range of a half, becomes the largest other number.
 fn linear_texels(
     mut pixels: Vec<[f32; 3]>,
     to_rec709: DMat3,

@@ -1,14 +1,14 @@
 //! Reads the scene format of the thesis: its keys, its display colours, its axes.
 //!
-//! In the thesis's axes, y points down and x grows to the left of the picture. Inverting the scene through the
-//! origin, p' = −p, makes y point up and x point right for a camera that looks along −z. With n' = −n it
+//! In the thesis's axes, y points down and x grows to the left of the picture. Inverting the scene through
+//! the origin, p' = −p, makes y point up and x point right for a camera that looks along −z. With n' = −n it
 //! follows:
 //!
 //! - The thesis's camera at (2, −2.5, −365.63) is at (−2, 2.5, 365.63) in ours. Its yaw of −4.7 rad, 0.0124
 //!   rad more than −3π/2, looks along (cos −4.7, 0, sin −4.7) = (−0.0124, 0, 0.9999), which becomes (0.0124,
 //!   0, −0.9999). Right is forward × up, about +x, the thesis's −x.
-//! - A sphere's u = atan2(n.z, n.x) / 2π is ours plus half a turn. Its row from the top, 1 − acos(n.y) / π, is
-//!   our acos(n'.y) / π.
+//! - A sphere's u = atan2(n.z, n.x) / 2π is ours plus half a turn. Its row from the top, 1 − acos(n.y) / π,
+//!   is our acos(n'.y) / π.
 //! - A triangle's planar mapping is computed before the inversion and kept by its vertices.
 
 use super::builder::{Attributes, DEFAULT_BOUNCES, DEFAULT_RESOLUTION, SceneBuilder};

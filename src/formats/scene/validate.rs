@@ -20,8 +20,8 @@ use std::rc::Rc;
 
 /// Field of view in degrees below which rounding relative to the camera shows in the picture.
 const NARROW: f64 = 1.0;
-/// Least size that coordinates are chosen for, relative to the distance from the origin to the scene's end. The
-/// end is then at 1/16 of the largest coordinate.
+/// Least size that coordinates are chosen for, relative to the distance from the origin to the scene's end.
+/// The end is then at 1/16 of the largest coordinate.
 const LEAST_SIZE: f64 = 16.0 / MAX_COORDINATE;
 /// Most spheres of glass that are compared with each other.
 const MOST_NESTED: usize = 1_000;
@@ -92,7 +92,8 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
 /// The origin is that of the file, or else the camera's position, relative to which rounding does not show in
 /// the picture. If the field of view is [`NARROW`], it is the nearest point in the picture instead. Without a
 /// position it is the point that the camera looks at, a corner of a triangle, or the centre of the smallest
-/// sphere. It depends on the direction of sight, and not on the distance of the point that the camera looks at.
+/// sphere. It depends on the direction of sight, and not on the distance of the point that the camera looks
+/// at.
 fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
     let camera = file.camera.as_ref().map_or([None; 2], |camera| [camera.position, camera.look_at]);
     let [position, look_at] = camera.map(|point| point.map(DVec3::from));
@@ -125,8 +126,8 @@ fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
     size.into_iter().for_each(|size| builder.set_coordinates(Coordinates::around(origin, size)));
 }
 
-/// Notes spheres of glass directly inside others whose `ior` is surely a mistake: as every `ior` is relative to
-/// vacuum, 1 has no effect, and that of the outer sphere refracts again.
+/// Notes spheres of glass directly inside others whose `ior` is surely a mistake: as every `ior` is relative
+/// to vacuum, 1 has no effect, and that of the outer sphere refracts again.
 fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
     let SceneBuilder { scene, notes, .. } = builder;
     let ior_of = |sphere: &Sphere| match scene.materials[sphere.material as usize].kind {

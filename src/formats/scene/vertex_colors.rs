@@ -19,8 +19,8 @@ use std::collections::HashMap;
 /// The name of the texture.
 pub const NAME: &str = "(vertex colours)";
 
-/// Returns the one of these numbers, in ascending order, that stands for white if colours have these channels.
-/// Colours may exceed white a little, but not twofold.
+/// Returns the one of these numbers, in ascending order, that stands for white if colours have these
+/// channels. Colours may exceed white a little, but not twofold.
 pub fn white(channels: impl Iterator<Item = f32>, numbers: &[f64]) -> f64 {
     let largest = f64::from(channels.filter(|channel| channel.is_finite()).fold(0.0, f32::max));
     let fits = numbers.iter().find(|&&white| largest <= 2.0 * white);

@@ -184,7 +184,8 @@ pub struct ViewFile {
     keyframes: Vec<KeyframeFile>,
 }
 
-/// Applies a view to the scene that it names. Camera keys that are missing in the view keep the scene's values.
+/// Applies a view to the scene that it names. Camera keys that are missing in the view keep the scene's
+/// values.
 pub fn apply(source: &Source, file: ViewFile, mut scene: Scene, name: String) -> Result<Loaded, SceneError> {
     let root = source.root();
     if let Some(resolution) = file.resolution {

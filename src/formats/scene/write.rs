@@ -1,5 +1,5 @@
-//! Writes numbers, points, vectors, cameras and relative paths for the native formats. Numbers read back as the
-//! same bits.
+//! Writes numbers, points, vectors, cameras and relative paths for the native formats. Numbers read back as
+//! the same bits.
 
 use super::camera_path::Keyframe;
 use glam::{DVec3, Vec2, Vec3};
@@ -57,8 +57,8 @@ pub fn vec2(v: Vec2) -> String {
     format!("[{}, {}]", number(v.x), number(v.y))
 }
 
-/// Writes the shortest decimal that reads back as the same bits. Numbers are read as f64, so that the shortest
-/// decimal of an f32 could round twice; in that case the digits of the f64 are written.
+/// Writes the shortest decimal that reads back as the same bits. Numbers are read as f64, so that the
+/// shortest decimal of an f32 could round twice; in that case the digits of the f64 are written.
 pub fn number(x: f32) -> String {
     let short = json_digits(f64::from(x).abs() >= 1e16, &x);
     let read_back = short.parse::<f64>().map(|read| read as f32);

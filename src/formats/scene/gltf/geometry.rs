@@ -47,8 +47,8 @@ impl Geometry {
             builder.notes.add(place, "vertex colours are left out, as the material has textures");
         }
     }
-    /// Removes the vertex colours if all vertices have the same colour, and returns it unless it is white. The
-    /// material can have such a colour and textures too.
+    /// Removes the vertex colours if all vertices have the same colour, and returns it unless it is white.
+    /// The material can have such a colour and textures too.
     pub fn take_uniform_color(&mut self) -> Option<Vec3> {
         let is_uniform = |colors: &mut Rc<Numbers>| {
             (1..colors.count).all(|vertex| colors.element::<3>(vertex) == colors.element(0))

@@ -1,9 +1,9 @@
 //! Reads the triangles, materials and camera of a scene from a glTF 2.0 file.
 //!
-//! Meshes are copied to every node that shows them, because the hierarchy is flat. Instances share the numbers
-//! read from the file, materials and textures, but no triangles. A file may be hostile: no number in it is
-//! used as an index or a size before it is checked, nodes are visited once, and [`MAX_COPIES`] bounds the
-//! number of copied triangles.
+//! Meshes are copied to every node that shows them, because the hierarchy is flat. Instances share the
+//! numbers read from the file, materials and textures, but no triangles. A file may be hostile: no number in
+//! it is used as an index or a size before it is checked, nodes are visited once, and [`MAX_COPIES`] bounds
+//! the number of copied triangles.
 //!
 //! Entries of lists that do not follow the standard are faults only if they are used.
 

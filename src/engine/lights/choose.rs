@@ -1,9 +1,9 @@
 //! Chooses lights over lanes: by the irradiance that each brings to a point, or by power.
 
-use super::importance::irradiance;
 use super::{ChosenLight, Lights};
+use crate::buffers::rows::Rows;
 use crate::buffers::{Features, has};
-use crate::lane::{Bits, Lane};
+use crate::lane::{Bits, Lane, functions};
 use crate::math::{BELOW_ONE, Vec3};
 use crate::sampling::{PacketValues, dimension};
 
@@ -132,4 +132,49 @@ impl Lights {
         let weight = L::select(L::zero().lt(quotient), mean / quotient, L::zero());
         self.fetch(chosen, weight, false)
     }
+}
+
+/// Returns the row that a light within a sphere is weighed by: centre, radius, unit normal of a flat light or
+/// else 0, and its power over 4π, or over 2π of a flat light.
+pub(super) fn bounded_importance(
+    center: glam::Vec3,
+    radius: f32,
+    normal: Option<glam::Vec3>,
+    power: f64,
+) -> [f32; 8] {
+    let n = normal.unwrap_or_default();
+    [center.x, center.y, center.z, radius, n.x, n.y, n.z, power as f32]
+}
+
+/// Returns the row of a light that brings the same mean irradiance everywhere. A mark replaces the radius.
+pub(super) fn importance_everywhere(irradiance: f64) -> [f32; 8] {
+    const MARK: f32 = -1.0;
+    [0.0, 0.0, 0.0, MARK, 0.0, 0.0, 0.0, irradiance as f32]
+}
+
+/// Returns, from these rows, an estimate of the irradiance of a light at `point` on a
+/// surface with the normal `n`, nothing between them; above 0 where some of it is above the horizon.
+///
+/// Source of the bounds of cosines: A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with
+/// Adaptive Tree Splitting", HPG 2018, §4.
+#[inline(always)]
+pub(super) fn irradiance<L: Lane>(
+    rows: &Rows,
+    light: L::Bits,
+    (point, n): (Vec3<L>, Vec3<L>),
+    fits_registers: bool,
+) -> L {
+    let [x, y, z, radius, nx, ny, nz, power] = rows.fetch::<L>(light, fits_registers);
+    let (to, normal) = (Vec3::new(x, y, z) - point, Vec3::new(nx, ny, nz));
+    let distance2 = to.dot(to).max(radius * radius).max(L::splat(f32::MIN_POSITIVE));
+    let per_distance = functions::approximate_rsqrt(distance2);
+    // The cosine of an angle that is smaller by that of the bounding sphere is at most greater by its
+    // sine.
+    let sine = radius * per_distance;
+    let cosine = to.dot(n).mul_add(per_distance, sine).max(L::zero()).min(L::one());
+    let facing = (to.dot(normal).abs()).mul_add(per_distance, sine).min(L::one());
+    let is_flat = L::zero().lt(normal.dot(normal));
+    let bound = power * cosine * L::select(is_flat, facing, L::one()) * (per_distance * per_distance);
+    let is_everywhere = radius.lt(L::zero());
+    L::select(is_everywhere, power, bound)
 }

@@ -1,7 +1,7 @@
 //! The environment as a light: the sky's texture as a piecewise constant distribution over directions.
 
 use super::LightSample;
-use super::importance::Importance;
+use super::choose::importance_everywhere;
 use super::table::{KindCode, LightRow};
 use crate::lane::{Bits, Lane, functions};
 use crate::math::{Vec3, portable};
@@ -40,7 +40,7 @@ fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u32> {
     numbers.into_iter().map(|number| (number as f32).to_bits()).collect()
 }
 
-/// The CDF of a piecewise constant function; uniform where the function is 0.
+/// Returns the CDF of a piecewise constant function; uniform where the function is 0.
 fn cdf(parts: &[f64]) -> Vec<f64> {
     let total: f64 = parts.iter().sum();
     let uniform = 1.0 / parts.len() as f64;
@@ -120,18 +120,12 @@ impl EnvironmentLight {
         4.0 * f64::from(PI_F32) * f64::from(PI_F32) * radius * radius * self.mean
     }
 
-    /// Returns its row of the table.
-    pub(super) fn row() -> LightRow {
-        LightRow::new(KindCode::Environment)
+    /// Returns its rows.
+    pub(super) fn light(&self) -> (LightRow, [f32; 8]) {
+        let row = LightRow { kind: KindCode::Environment, ..LightRow::default() };
+        (row, importance_everywhere(f64::from(PI_F32) * self.mean))
     }
 
-    /// Returns what it is weighed by.
-    pub(super) fn importance(&self) -> Importance {
-        Importance::Everywhere { irradiance: (f64::from(PI_F32) * self.mean) as f32 }
-    }
-}
-
-impl EnvironmentLight {
     /// Samples a direction. Its `t` is infinite.
     #[inline(always)]
     pub fn sample<L: Lane>(&self, u: L, v: L) -> LightSample<L> {
@@ -167,8 +161,8 @@ impl EnvironmentLight {
     }
 }
 
-/// Inverts the CDF in the `count` entries of `cdf` from `first` on, at a number of [0, 1): the index of the
-/// interval, counted from `first`, and the position within it, in [0, 1].
+/// Inverts the CDF in the `count` entries of `cdf` from `first` on, at a number of [0, 1). Returns the index
+/// of the interval, counted from `first`, and the position within it, in [0, 1].
 #[inline(always)]
 fn invert_cdf<L: Lane>(cdf: &[u32], first: L::Bits, count: u32, number: L) -> (L::Bits, L) {
     let read = |at: L::Bits| L::from_bits(L::gather_bits(cdf, first.wrapping_add(at)));

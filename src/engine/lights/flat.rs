@@ -1,7 +1,7 @@
-//! Flat lights: triangles, parallelograms of two triangles, and pieces of textured triangles. They are sampled
-//! uniformly in solid angle.
+//! Flat lights: triangles, parallelograms of two triangles, and pieces of textured triangles. They are
+//! sampled uniformly in solid angle.
 
-use super::importance::Importance;
+use super::choose::bounded_importance;
 use super::power::{BlockMeans, GRID};
 use super::table::{KindCode, LightRow};
 use super::{ChosenLight, LightSample, Lights, valid_pdf};
@@ -31,25 +31,17 @@ impl Flat {
         Self { a: at(0), ab: at(1) - at(0), ac: at(2) - at(0), is_quad: vertex.is_some() }
     }
 
-    /// Returns its row of the table; `offset` is its error bound.
-    pub fn row(&self, offset: f32) -> LightRow {
-        let edges = [self.ab.as_vec3(), self.ac.as_vec3()];
-        let kind = if self.is_quad { KindCode::Parallelogram } else { KindCode::Triangle };
-        LightRow { at: self.a.as_vec3(), edges, offset, ..LightRow::new(kind) }
-    }
-
-    /// Returns what it is weighed by, with this power.
-    pub fn importance(&self, power: f64) -> Importance {
+    /// Returns its rows, where it has this power.
+    pub fn light(&self, power: f64) -> (LightRow, [f32; 8]) {
         let Self { a, ab, ac, is_quad } = *self;
+        let kind = if is_quad { KindCode::Parallelogram } else { KindCode::Triangle };
+        let edges = [ab, ac].map(|edge| edge.as_vec3());
+        let row = LightRow { kind, at: a.as_vec3(), edges, ..LightRow::default() };
         let (b, c) = (a + ab, a + ac);
         let center = if is_quad { 0.5 * (b + c) } else { (a + b + c) / 3.0 };
         let radius = [a, b, c].map(|vertex| (vertex - center).length()).into_iter().fold(0.0, f64::max);
-        Importance::Bounded {
-            center: center.as_vec3(),
-            radius: radius as f32,
-            normal: Some(ab.cross(ac).normalize().as_vec3()),
-            power: (0.5 * (power / f64::from(PI))) as f32,
-        }
+        let (n, power) = (ab.cross(ac).normalize().as_vec3(), 0.5 * (power / f64::from(PI)));
+        (row, bounded_importance(center.as_vec3(), radius as f32, Some(n), power))
     }
 }
 
@@ -146,7 +138,7 @@ impl<L: Lane> FlatLight<L> {
             is_quad: first | second | third,
         }
     }
-    /// Lane by lane, one of two lights.
+    /// Selects, lane by lane, one of two lights.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self {
@@ -191,8 +183,8 @@ impl<L: Lane> SphericalTriangle<L> {
             solid_angle: number(if_true.solid_angle, if_false.solid_angle),
         }
     }
-    /// A direction of the triangle: `part`, of its solid angle, lies towards the arc from b to a, and v runs
-    /// from b to the arc from a to c.
+    /// Samples a direction of the triangle: `part`, of its solid angle, lies towards the arc from b to a, and
+    /// v runs from b to the arc from a to c.
     #[inline(always)]
     fn sample(&self, part: L, v: L) -> Vec3<L> {
         let [a, b, c] = self.corners;
@@ -257,7 +249,7 @@ impl<L: Lane> SphericalLight<L> {
     fn sampled_by_area(&self) -> L::Mask {
         self.solid_angle.lt(L::splat(MIN_SOLID_ANGLE))
     }
-    /// The pdf of the direction that meets the plane at `t`.
+    /// Returns the pdf of the direction that meets the plane at `t`.
     #[inline(always)]
     fn pdf(&self, light: &FlatLight<L>, wi: Vec3<L>, t: L) -> L {
         // t² / (area · cos θ).
@@ -265,7 +257,7 @@ impl<L: Lane> SphericalLight<L> {
         let by_area = areas * t * t / self.normal.dot(wi).abs();
         valid_pdf(L::select(self.sampled_by_area(), by_area, L::one() / self.solid_angle))
     }
-    /// A direction uniform in the solid angle.
+    /// Samples a direction uniform in the solid angle.
     #[inline(always)]
     fn sample_solid_angle(&self, u: L, v: L) -> Vec3<L> {
         let part = u * self.solid_angle;

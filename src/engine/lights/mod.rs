@@ -2,8 +2,7 @@
 //!
 //! A kind of light is a file: [`sphere`], [`flat`] (a triangle, a parallelogram of two, and a piece of a
 //! textured triangle), [`environment`]. Each has the power of its kind, its row of the table, *sample* and
-//! *pdf*. A new kind has a field of [`Kinds`] and a variant of `select::Shape`; the compiler then names every
-//! place that must know it.
+//! *pdf*. A new kind has a field of [`Kinds`]; the compiler then names every place that must know it.
 //!
 //! Shapes: `WIDTH` lit points with a light each; vectors of samples are relative to the lit point.
 //! Units: pdfs per solid angle, in 1/sr; 0 where the light cannot be sampled. Then only scattered rays find
@@ -14,7 +13,6 @@ mod alias_table;
 mod choose;
 pub mod environment;
 pub mod flat;
-mod importance;
 mod overlaps;
 mod parallelograms;
 mod pieces;
@@ -60,7 +58,7 @@ pub struct LightSample<L: Lane> {
 }
 
 impl<L: Lane> LightSample<L> {
-    /// Lane by lane, one of two samples.
+    /// Selects, lane by lane, one of two samples.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self {
@@ -107,7 +105,7 @@ impl Lights {
     }
 }
 
-/// The pdf where it is finite and above 0; else 0.
+/// Returns the pdf where it is finite and above 0; else 0.
 #[inline(always)]
 fn valid_pdf<L: Lane>(pdf: L) -> L {
     pdf.only(L::zero().lt(pdf) & pdf.is_finite())

@@ -10,12 +10,12 @@ use glam::DVec3;
 /// Surfaces closer than this share of the distance from which they are lit count as one: a few times the
 /// share of their length by which shadow rays end early.
 const CLOSE: f64 = 1e-5;
-/// Light from farther away than so many sizes of a light is not asked for.
+/// Overlaps that matter only from farther away than so many sizes of the light are ignored.
 const FAR: f64 = 1000.0;
-/// Pairs of boxes, and of primitives whose boxes are close, that are looked at before an overlap is assumed.
+/// Pairs of boxes, and of primitives whose boxes are close, that are tested before an overlap is assumed.
 const MAX_PAIRS: [usize; 2] = [100_000_000, 1_000_000];
 
-/// Whether some light shares a piece of surface with another primitive. Edges and corners do not count.
+/// Tests whether some light shares a piece of surface with another primitive. Edges and corners do not count.
 pub(super) fn exist(scene: &Scene, is_light: impl Fn(usize) -> bool) -> bool {
     let boxes: Vec<[DVec3; 2]> = scene.all_primitives().map(|primitive| primitive.shape().extent()).collect();
     let (lower, upper) = scene.bounds();
@@ -51,7 +51,7 @@ pub(super) fn exist(scene: &Scene, is_light: impl Fn(usize) -> bool) -> bool {
     false
 }
 
-/// Whether pieces of two primitives are closer than `within`.
+/// Tests whether pieces of two primitives are closer than `within`.
 fn share_surface(scene: &Scene, pair: [usize; 2], within: f64) -> bool {
     match pair.map(|number| scene.primitive(number)) {
         [Primitive::Sphere(one), Primitive::Sphere(other)] => {
@@ -68,7 +68,7 @@ fn share_surface(scene: &Scene, pair: [usize; 2], within: f64) -> bool {
     }
 }
 
-/// Whether a piece of `other` lies over the inside of `one`.
+/// Tests whether a piece of `other` lies over the inside of `one`.
 fn covers(one: &Triangle, other: &Triangle, within: f64) -> bool {
     let corners = one.vertices.map(|vertex| vertex.as_dvec3());
     let [a, b, c] = corners;

@@ -1,14 +1,15 @@
 //! Parallelograms among emissive triangles: two triangles that share an edge, as rectangular lights are
 //! modelled.
 
+use crate::rays::Kind;
 use crate::scene::{Scene, Triangle};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// A light of two triangles.
+/// One of the two triangles of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Half {
-    /// The other triangle.
+    /// The other triangle, as a primitive's number.
     pub partner: usize,
     /// The vertex opposite the shared edge.
     pub corner: usize,
@@ -20,24 +21,26 @@ const TOLERANCE: f64 = 8.0 / 16_777_216.0;
 /// Edges are at least so many tolerances long: then areas and normals of both triangles agree.
 const MIN_EDGE: f64 = 1e4;
 
-/// Triangles at one edge among which the other half is looked for.
+/// Most triangles at one edge that are tested as the other half.
 const MAX_CANDIDATES: usize = 16;
 
-/// For each triangle with `power` the other half of its parallelogram, if it has one. No triangle is a half
-/// of two.
+/// Returns, for each triangle with `power`, the other half of its parallelogram, if it has one. Triangles
+/// have the numbers of primitives. No triangle is a half of two.
 pub(super) fn find(scene: &Scene, power: impl Fn(usize) -> f64) -> HashMap<usize, Half> {
     let mut halves = HashMap::new();
     let mut with_edge: HashMap<[[u32; 3]; 2], Vec<(usize, usize)>> = HashMap::new();
-    for (number, triangle) in scene.triangles.iter().enumerate() {
+    let first = scene.counts().first(Kind::Triangle);
+    for (number, triangle) in (first..).zip(&scene.triangles) {
         if power(number) <= 0.0 {
             continue;
         }
         let match_at = |corner: usize| {
             let others = with_edge.get(&edge(triangle, corner))?;
             let fits = |&&(other, opposite): &&(usize, usize)| {
+                let candidate = &scene.triangles[other - first];
                 !halves.contains_key(&other)
-                    && scene.triangles[other].material == triangle.material
-                    && is_parallelogram(triangle, corner, &scene.triangles[other], opposite)
+                    && candidate.material == triangle.material
+                    && is_parallelogram(triangle, corner, candidate, opposite)
             };
             others.iter().take(MAX_CANDIDATES).find(fits).map(|&(other, opposite)| (corner, other, opposite))
         };
@@ -54,7 +57,7 @@ pub(super) fn find(scene: &Scene, power: impl Fn(usize) -> f64) -> HashMap<usize
     halves
 }
 
-/// The edge opposite a corner: the bits of its ends, in order.
+/// Returns the edge opposite a corner: the bits of its ends, in order.
 fn edge(triangle: &Triangle, corner: usize) -> [[u32; 3]; 2] {
     // Adding 0 turns −0 into 0.
     let bits = |vertex: usize| triangle.vertices[vertex % 3].to_array().map(|x| (x + 0.0).to_bits());
@@ -63,7 +66,7 @@ fn edge(triangle: &Triangle, corner: usize) -> [[u32; 3]; 2] {
     ends
 }
 
-/// Whether two triangles that share the edges opposite these corners make a parallelogram.
+/// Tests whether two triangles that share the edges opposite these corners make a parallelogram.
 fn is_parallelogram(one: &Triangle, corner: usize, other: &Triangle, opposite: usize) -> bool {
     let at = |vertex: usize| one.vertices[vertex % 3].as_dvec3();
     let [a, b, c] = [at(corner), at(corner + 1), at(corner + 2)];

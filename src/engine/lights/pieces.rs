@@ -58,7 +58,7 @@ impl Emitted<'_> {
         let uvs = self.scene.uvs.get(number.checked_sub(self.scene.counts().first(Kind::Triangle))?)?;
         let material = &self.scene.materials[self.scene.primitive(number).material() as usize];
         let (texture, emission) = (self.texture(material)?, material.emission.as_dvec3());
-        let filter = texture.filter();
+        let filter = texture.texture.filter;
         if filter == Filter::Trilinear {
             return None;
         }

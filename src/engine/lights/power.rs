@@ -3,7 +3,7 @@
 use super::{flat, sphere};
 use crate::buffers::mip_chain::halve;
 use crate::rays::Kind;
-use crate::scene::{Filter, Material, MaterialKind, Primitive, Scene, Sphere, Texture};
+use crate::scene::{Material, MaterialKind, Primitive, Scene, Sphere, Texture};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
 
@@ -15,6 +15,7 @@ pub(super) struct Emitted<'a> {
 }
 
 impl<'a> Emitted<'a> {
+    /// Reads the textures of all emitters.
     pub(super) fn by(scene: &'a Scene) -> Self {
         let used: HashSet<u32> = scene.all_primitives().map(|primitive| primitive.material()).collect();
         let materials = used.into_iter().map(|material| &scene.materials[material as usize]);
@@ -24,7 +25,8 @@ impl<'a> Emitted<'a> {
         Self { scene, textures: used.into_iter().map(means).collect() }
     }
 
-    /// The power that a primitive emits; 0 of a sphere around the camera, unless `surrounding` ones count.
+    /// Returns the power that a primitive emits; 0 of a sphere around the camera, unless `surrounding` ones
+    /// count.
     pub(super) fn power(&self, number: usize, surrounding: bool) -> f64 {
         let unit_power = match self.scene.primitive(number) {
             Primitive::Sphere(sphere) if !surrounding && surrounds(self.scene, sphere) => return 0.0,
@@ -34,7 +36,7 @@ impl<'a> Emitted<'a> {
         unit_power * self.mean_radiance(number)
     }
 
-    /// The emitted radiance of a primitive, the mean of its points and channels.
+    /// Returns the emitted radiance of a primitive, the mean of its points and channels.
     fn mean_radiance(&self, number: usize) -> f64 {
         let material = &self.scene.materials[self.scene.primitive(number).material() as usize];
         let Some(texture) = self.texture(material) else {
@@ -58,24 +60,21 @@ impl<'a> Emitted<'a> {
     }
 }
 
-/// Whether the camera is within this sphere: then every ray that misses the other primitives hits it.
+/// Tests whether the camera is within this sphere: then every ray that misses the other primitives hits it.
 fn surrounds(scene: &Scene, sphere: &Sphere) -> bool {
     let to = scene.camera.position.as_dvec3() - sphere.center.as_dvec3();
     to.length() < f64::from(sphere.radius)
 }
 
-/// The texture that multiplies a material's emission.
+/// Returns the texture that multiplies a material's emission.
 fn emission_texture(material: &Material) -> Option<u32> {
     let of_emitter = material.texture.filter(|_| material.kind == MaterialKind::Emitter);
     material.emission_map.or(of_emitter)
 }
 
-/// Whether a texture multiplies what a primitive emits.
+/// Tests whether a texture multiplies what a primitive emits.
 pub(super) fn has_texture(scene: &Scene, number: usize) -> bool {
-    number < scene.primitives() && {
-        let material = scene.primitive(number).material();
-        emission_texture(&scene.materials[material as usize]).is_some()
-    }
+    emission_texture(&scene.materials[scene.primitive(number).material() as usize]).is_some()
 }
 
 /// Points along each side of a grid over a primitive at which its texture is read, and how many times as many
@@ -83,7 +82,7 @@ pub(super) fn has_texture(scene: &Scene, number: usize) -> bool {
 pub(super) const GRID: usize = 16;
 const MOST_FINER: f64 = 16.0;
 
-/// The centres of the cells of a grid of columns and rows over the unit square.
+/// Iterates over the centres of the cells of a grid of columns and rows over the unit square.
 fn grid([columns, rows]: [usize; 2]) -> impl Iterator<Item = DVec2> + Clone {
     let center = move |cell| DVec2::new((cell % columns) as f64 + 0.5, (cell / columns) as f64 + 0.5);
     (0..columns * rows).map(move |cell| center(cell) / DVec2::new(columns as f64, rows as f64))
@@ -92,7 +91,7 @@ fn grid([columns, rows]: [usize; 2]) -> impl Iterator<Item = DVec2> + Clone {
 /// A texture and the means of its blocks of 2, 4, 8 … texels a side: where points that read it are farther
 /// apart than texels, no bright texel lies between them.
 pub(super) struct BlockMeans<'a> {
-    texture: &'a Texture,
+    pub(super) texture: &'a Texture,
     levels: Vec<([u32; 2], Vec<[f32; 3]>)>,
 }
 
@@ -107,11 +106,6 @@ impl<'a> BlockMeans<'a> {
             levels.push((size, means.into_iter().map(|mean| mean.map(|x| x as f32)).collect()));
         }
         Self { texture, levels }
-    }
-
-    /// Returns how its texels are blended.
-    pub(super) fn filter(&self) -> Filter {
-        self.texture.filter
     }
 
     /// Returns how to read a parallelogram of texture coordinates with these sides: the level whose blocks
@@ -133,7 +127,7 @@ impl<'a> BlockMeans<'a> {
         (level, grid(more.map(|more| count * more as usize)))
     }
 
-    /// The mean of the block around texture coordinates; on level 0 the texel.
+    /// Returns the mean of the block around texture coordinates; on level 0 the texel.
     pub(super) fn mean(&self, level: usize, uv: DVec2) -> DVec3 {
         let above = level.checked_sub(1).map(|above| &self.levels[above]);
         let [width, height] = above.map_or([self.texture.width, self.texture.height], |(size, _)| *size);
@@ -145,7 +139,7 @@ impl<'a> BlockMeans<'a> {
         })
     }
 
-    /// The mix of the four texels around texture coordinates.
+    /// Returns the mix of the four texels around texture coordinates.
     pub(super) fn bilinear(&self, uv: DVec2) -> DVec3 {
         let size = DVec2::new(f64::from(self.texture.width), f64::from(self.texture.height));
         let (half, part) = (0.5 / size, (uv * size - 0.5).fract_gl());

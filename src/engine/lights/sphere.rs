@@ -1,6 +1,6 @@
 //! Spheres as lights: sampled uniformly in the cone that they subtend.
 
-use super::importance::Importance;
+use super::choose::bounded_importance;
 use super::power::{BlockMeans, GRID};
 use super::table::{KindCode, LightRow};
 use super::{LightSample, valid_pdf};
@@ -27,15 +27,11 @@ pub(super) fn sum_of_texels(texture: &BlockMeans) -> (DVec3, f64) {
     })
 }
 
-/// Returns its row of the table; `offset` is its error bound.
-pub(super) fn row(sphere: &Sphere, offset: f32) -> LightRow {
-    LightRow { at: sphere.center, radius: sphere.radius, offset, ..LightRow::new(KindCode::Sphere) }
-}
-
-/// Returns what it is weighed by, with this power.
-pub(super) fn importance(sphere: &Sphere, power: f64) -> Importance {
-    let power = (0.25 * (power / f64::from(PI))) as f32;
-    Importance::Bounded { center: sphere.center, radius: sphere.radius, normal: None, power }
+/// Returns its rows, where it has this power.
+pub(super) fn light(sphere: &Sphere, power: f64) -> (LightRow, [f32; 8]) {
+    let &Sphere { center, radius, .. } = sphere;
+    let row = LightRow { kind: KindCode::Sphere, at: center, radius, ..LightRow::default() };
+    (row, bounded_importance(center, radius, None, 0.25 * (power / f64::from(PI))))
 }
 
 /// The cone that a sphere subtends.
@@ -58,7 +54,7 @@ impl<L: Lane> Cone<L> {
         let one_minus_cos = sin2 / (L::one() + (L::one() - sin2).sqrt());
         Self { distance2, per_distance, one_minus_cos }
     }
-    /// One over the solid angle; 0 from inside the sphere and on it.
+    /// Returns one over the solid angle; 0 from inside the sphere and on it.
     #[inline(always)]
     fn pdf(&self) -> L {
         valid_pdf(L::splat(1.0 / TAU) / self.one_minus_cos)

@@ -1,13 +1,14 @@
 //! The table of lights: their rows, the probability of choosing each, and how each primitive is sampled.
 
 use super::alias_table::AliasTable;
-use super::select::{Selection, anything_scatters, environment};
+use super::parallelograms::Half;
+use super::select::Selection;
 use super::{EnvironmentLight, LightChoice};
 use crate::buffers::rows::Rows;
 use crate::buffers::{Features, SampledAs};
 use crate::lane::{Bits, Lane};
 use crate::math;
-use crate::scene::Scene;
+use crate::scene::{MaterialKind, Scene};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -30,12 +31,15 @@ pub struct Lights {
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
     /// See [`Selection`].
-    halves: HashMap<usize, usize>,
+    halves: HashMap<usize, Half>,
     first_pieces: HashMap<usize, u32>,
     pub(super) pieces_side: usize,
     /// The two primitives that each light is, or twice the one; only where [`Lights::needs_hits`].
     primitives: Vec<u32>,
 }
+
+/// From this [`EnvironmentLight::contrast`] on it pays to sample the sky's bright regions.
+const MIN_CONTRAST: f64 = 2.0;
 
 /// The least probability of choosing a light, as a share of the average. Random numbers have 24 binary
 /// digits: a light that few or none of them choose is sampled more or less often than its probability, and
@@ -58,46 +62,39 @@ impl Lights {
         if choice == LightChoice::Off || !anything_scatters(scene) {
             return Self::default();
         }
-        let sky = environment(scene, choice);
+        let pays = |sky: &EnvironmentLight| choice == LightChoice::On || sky.contrast >= MIN_CONTRAST;
+        let sky = EnvironmentLight::of(scene).filter(pays);
         let selection = Selection::new(scene, sky.as_ref(), choice);
-        let lights = &selection.lights;
+        let Selection { lights, total, halves, first_pieces, pieces_side, needs_hits } = selection;
         if lights.is_empty() {
             return Self::default();
         }
-        let shares = raised_shares(lights.iter().map(|light| light.share).collect());
-        let mut probabilities = vec![0.0; scene.primitives()];
-        let mut sky_probability = 0.0;
+        let shares = raised_shares(lights.iter().map(|light| light.power / total).collect());
+        // The last one is the environment's.
+        let mut probabilities = vec![0.0; scene.primitives() + 1];
         for (light, &share) in lights.iter().zip(&shares) {
-            let [first, second] = light.primitives.map(|number| number as usize);
-            match probabilities.get_mut(first) {
-                Some(probability) => {
-                    *probability += share as f32;
-                    probabilities[second] = probabilities[first];
-                }
-                None => sky_probability = share as f32,
-            }
+            let [first, second] = light.primitives.map(|number| scene.primitives().min(number as usize));
+            probabilities[first] += share as f32;
+            probabilities[second] = probabilities[first];
         }
+        let sky_probability = probabilities.pop().unwrap_or_default();
         let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
         let by_irradiance = choice != LightChoice::Power && (is_few || lights.len() > Self::MAX_SHARED);
         let important = lights.iter().filter(|_| by_irradiance);
-        let importance_rows = Rows::new(important.map(|light| light.importance().pack()));
-        let needs_hits = selection.needs_hits;
-        let rows = lights.iter().zip(&shares).flat_map(|(light, &share)| {
-            let row = light.row(scene);
-            // What a hit emits is known when a shadow ray has found it.
-            let emission = if needs_hits { Vec3::ONE } else { row.emission };
-            LightRow { emission, probability: share as f32, ..row }.pack()
-        });
-        let primitives = lights.iter().filter(|_| needs_hits).flat_map(|light| light.primitives);
+        let identified = lights.iter().filter(|_| needs_hits);
         Self {
-            rows: Rows::new(rows),
+            importance_rows: Rows::new(important.map(|light| light.importance)),
+            primitives: identified.flat_map(|light| light.primitives).collect(),
+            // What a light emits is known when a shadow ray has hit it.
+            rows: Rows::new(lights.iter().zip(&shares).flat_map(|(light, &share)| match needs_hits {
+                true => LightRow { emission: Vec3::ONE, ..light.row }.pack(share as f32),
+                false => light.row.pack(share as f32),
+            })),
             alias_table: AliasTable::new(&shares),
-            importance_rows,
-            primitives: primitives.collect(),
             probabilities,
-            halves: selection.halves,
-            first_pieces: selection.first_pieces,
-            pieces_side: selection.pieces_side,
+            halves,
+            first_pieces,
+            pieces_side,
             sky: sky.map(|sky| (sky, sky_probability)),
         }
     }
@@ -106,7 +103,7 @@ impl Lights {
         let probability = self.probabilities.get(number).copied().unwrap_or(0.0);
         match (self.first_pieces.get(&number), self.halves.get(&number)) {
             (Some(&first), _) => SampledAs::Pieces(first),
-            (None, Some(&corner)) => SampledAs::Half(probability, corner),
+            (None, Some(half)) => SampledAs::Half(probability, half.corner),
             (None, None) if probability > 0.0 => SampledAs::Whole(probability),
             (None, None) => SampledAs::Nothing,
         }
@@ -157,35 +154,40 @@ fn raised_shares(mut shares: Vec<f64>) -> Vec<f64> {
     shares.into_iter().map(|share| share / total).collect()
 }
 
+/// Tests whether some surface scatters light into other directions than those of mirror reflection and
+/// refraction.
+fn anything_scatters(scene: &Scene) -> bool {
+    scene.materials.iter().any(|material| match material.kind {
+        MaterialKind::Emitter | MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => false,
+        MaterialKind::Metal { roughness } => roughness > 0.0,
+        _ => true,
+    })
+}
+
 /// The kind of a light, as its row has it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) enum KindCode {
     Sphere,
     Triangle,
     Parallelogram,
+    #[default]
     Environment,
 }
 
-/// A light of the table. [`ChosenLight`] explains the fields.
+/// A light of the table, but for its probability. [`ChosenLight`] explains the fields.
+#[derive(Clone, Copy, Default)]
 pub(super) struct LightRow {
     pub kind: KindCode,
     pub at: Vec3,
     pub radius: f32,
     pub edges: [Vec3; 2],
     pub emission: Vec3,
-    pub probability: f32,
     pub offset: f32,
 }
 
 impl LightRow {
-    /// Returns a light of a kind, all zeros.
-    pub fn new(kind: KindCode) -> Self {
-        let (at, edges, emission) = (Vec3::ZERO, [Vec3::ZERO; 2], Vec3::ZERO);
-        Self { kind, at, radius: 0.0, edges, emission, probability: 0.0, offset: 0.0 }
-    }
-
-    fn pack(self) -> [[f32; 8]; 2] {
-        let Self { kind, at, radius, edges: [ab, ac], emission: e, probability, offset } = self;
+    fn pack(self, probability: f32) -> [[f32; 8]; 2] {
+        let Self { kind, at, radius, edges: [ab, ac], emission: e, offset } = self;
         let kind = f32::from_bits(kind as u32);
         [
             [at.x, at.y, at.z, radius, e.x, e.y, e.z, probability],

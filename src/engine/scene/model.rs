@@ -1,7 +1,7 @@
 //! The scene as a whole, and the kinds of its primitives: spheres and triangles.
 //!
-//! What differs from kind to kind is a method of [`Primitive`], a row of `buffers/geometry.rs`, and as a light a
-//! file of [`crate::lights`]; how rays hit them is in [`crate::traverse`].
+//! What differs from kind to kind is a method of [`Primitive`], a row of `buffers/geometry.rs`, and a light
+//! of [`crate::lights`]; how rays hit them is in [`crate::traverse`].
 
 use super::camera::Camera;
 use super::material::Material;

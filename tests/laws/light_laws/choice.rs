@@ -130,7 +130,8 @@ fn resampled_lights_count_once_each() {
     assert!(lights.are_chosen_by_irradiance());
     // From below, where every light is above the horizon.
     let point = vec3(0.1, -3.0, 0.2);
-    let (mut counts, mut sums) = (vec![0.0; 102], vec![0.0; 102]);
+    let primitives = scene.primitives();
+    let (mut counts, mut sums) = (vec![0.0; primitives], vec![0.0; primitives]);
     let draws = 2_000_000;
     for draw in 0..draws {
         // An additive recurrence: evener than random numbers.

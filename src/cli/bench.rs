@@ -198,8 +198,8 @@ impl Options {
         Ok(Some(Against { with, differences, ..Against::default() }))
     }
 
-    /// Runs this program and `other` in alternating rounds; `results` are this one's speeds. Returns the reports
-    /// of both.
+    /// Runs this program and `other` in alternating rounds; `results` are this one's speeds. Returns the
+    /// reports of both.
     fn rounds(
         &self,
         other: &Path,

@@ -23,8 +23,8 @@ impl Printer {
         if self.json { Ok(()) } else { print(text) }
     }
 
-    /// Prints a report as indented JSON, but only with `--json`. Returns the exit code of its checks, which is
-    /// 1 if one of them `failed`.
+    /// Prints a report as indented JSON, but only with `--json`. Returns the exit code of its checks, which
+    /// is 1 if one of them `failed`.
     pub fn end(self, report: &impl Serialize, failed: bool) -> Result<ExitCode, CliError> {
         if self.json {
             let text =

@@ -56,8 +56,9 @@ impl Baseline {
         same.or_else(|| all().find(|(old, _)| old.scene == scene.scene))
     }
 
-    /// Adds to `report` its ratios to this one, and the settings in which the two differ. An engine is compared
-    /// with that of the same width and number of threads; if there are no such pairs, the first with the first.
+    /// Adds to `report` its ratios to this one, and the settings in which the two differ. An engine is
+    /// compared with that of the same width and number of threads; if there are no such pairs, the first with
+    /// the first.
     pub fn compare(&self, report: &mut Report) {
         let mut found = differences(&json(&report.settings), &self.settings);
         let mut ratios = Vec::new();
@@ -109,8 +110,8 @@ pub fn meaning(what: &str, turns: &str) -> String {
     )
 }
 
-/// Returns the ratios of one program to another on a scene, for the engines that both have timed. Each program
-/// has made a report in each round.
+/// Returns the ratios of one program to another on a scene, for the engines that both have timed. Each
+/// program has made a report in each round.
 pub fn over_rounds(scene: &str, [here, there]: &[Vec<Baseline>; 2]) -> Vec<Over> {
     let over = |first: &Speed| {
         let of = |reports: &[Baseline]| {

@@ -105,8 +105,8 @@ impl HierarchyReport {
     }
 }
 
-/// Describes the shape of a hierarchy, its bytes in all and for each primitive, and its build times; or says why
-/// it is invalid.
+/// Describes the shape of a hierarchy, its bytes in all and for each primitive, and its build times; or says
+/// why it is invalid.
 pub fn hierarchy_text(
     tree: &Option<Statistics>,
     fault: &Option<String>,

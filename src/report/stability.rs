@@ -218,8 +218,8 @@ mod tests {
     use super::*;
     use crate::measure::stability::{Effort, Method, Trial, run};
 
-    /// A curve of places, each with its failures of 2,000 inputs and its error. The default promises that there
-    /// is no failure, except at 1e9.
+    /// A curve of places, each with its failures of 2,000 inputs and its error. The default promises that
+    /// there is no failure, except at 1e9.
     fn curve(method: &'static str, default: bool, points: &[(f64, usize, Option<f64>)]) -> Curve {
         let point = |&(x, failures, p99): &(f64, usize, Option<f64>)| {
             let bound = default.then_some(if x < 1e9 { Bound::NO_FAILURE } else { Bound::NONE });
@@ -238,7 +238,8 @@ mod tests {
     fn summary_has_the_worst_of_the_default_and_the_best_rival() {
         let default =
             curve("robust", true, &[(4096.0, 3, Some(1.5e-6)), (8192.0, 3, Some(2e-6)), (1e9, 2000, None)]);
-        // Bad at one place is worse than middling at both. Places where the default has no bound do not count.
+        // Bad at one place is worse than middling at both. Places where the default has no bound do not
+        // count.
         let rivals = [("naive", [10, 10]), ("middling", [4, 6]), ("uneven", [0, 400])];
         let rivals = rivals.map(|(method, [a, b])| {
             curve(method, false, &[(4096.0, a, None), (8192.0, b, None), (1e9, 2000, None)])

@@ -12,9 +12,7 @@ use super::shadow_rays::trace_shadow_rays;
 use super::stats::Stage;
 use crate::buffers::Features;
 use crate::camera::Tile;
-#[cfg(target_feature = "avx512f")]
-use crate::lane::F32x16;
-use crate::lane::{F32x8, Lane, WIDTHS};
+use crate::lane::{F32x8, Lane, Native};
 use std::ops::Range;
 
 /// [`trace_tiles`] at one width, compiled for one set of features.
@@ -137,8 +135,8 @@ fn shadow_rays<L: Lane, const N: u32>(context: &TraceContext, scratch: &mut Scra
 /// without renormalisation, `tests/laws/long_paths.rs`.
 pub const RENORMALIZATION_INTERVAL: u32 = 8;
 
-/// A pipeline at each of [`WIDTHS`].
-type Widths = [Pipeline; WIDTHS.len()];
+/// A pipeline at the widths 1, 8 and the widest one.
+type Widths = [Pipeline; 3];
 
 /// The compiled pipelines: sets of features, smallest first. A scene gets the first one that holds its
 /// features.
@@ -197,20 +195,18 @@ const ALL_LOBES: Features = UNTEXTURED
     .with(Features::METAL_ROUGH);
 
 const fn pipeline<const N: u32>() -> (Features, Widths) {
-    let widths = [
-        trace_tiles::<f32, N>,
-        trace_tiles::<F32x8, N>,
-        #[cfg(target_feature = "avx512f")]
-        trace_tiles::<F32x16, N>,
-    ];
-    (Features(N), widths)
+    (Features(N), [trace_tiles::<f32, N>, trace_tiles::<F32x8, N>, trace_tiles::<Native, N>])
 }
 
-/// The pipeline for the features that a scene needs at one of [`WIDTHS`], and the features that it is
-/// compiled with.
+/// Returns the pipeline for the features that a scene needs at one of [`crate::lane::WIDTHS`], and the
+/// features that it is compiled with.
 pub fn pipeline_for(needs: Features, lanes: usize) -> (Features, Pipeline) {
     let (features, widths) =
         PIPELINES.iter().find(|(set, _)| set.contains(needs)).expect("the last pipeline has every feature");
-    let width = WIDTHS.iter().position(|&width| width == lanes).expect("one of WIDTHS");
+    let width = match lanes {
+        1 => 0,
+        8 => 1,
+        _ => 2,
+    };
     (*features, widths[width])
 }

@@ -97,8 +97,8 @@ impl TimedRenderer {
     }
 }
 
-/// Runs work on the threads of a renderer, each on a core of its own. Returns its result, its milliseconds, and
-/// their reliability.
+/// Runs work on the threads of a renderer, each on a core of its own. Returns its result, its milliseconds,
+/// and their reliability.
 pub(crate) fn time_on_cores<R: Send>(
     renderer: &Renderer,
     work: impl FnOnce() -> R + Send,

@@ -40,7 +40,8 @@ impl Accelerators {
         Self { tree, list: Structure::list(geometry, Default::default(), NATIVE_WIDTH) }
     }
 
-    /// Updates the hits of all rays: the closest hit, or any hit. Without a hierarchy, every primitive is tested.
+    /// Updates the hits of all rays: the closest hit, or any hit. Without a hierarchy, every primitive is
+    /// tested.
     fn trace(
         &self,
         method: TraversalChoice,

@@ -52,8 +52,8 @@ pub struct GroundTruthInfo {
 }
 
 impl GroundTruthInfo {
-    /// Tests whether a ground truth of an earlier run is good enough for a run with this budget. One from a run
-    /// with much less time would limit the samples of all pictures.
+    /// Tests whether a ground truth of an earlier run is good enough for a run with this budget. One from a
+    /// run with much less time would limit the samples of all pictures.
     pub fn is_enough_for(&self, budget: Duration) -> bool {
         self.samples >= MOST_SAMPLES || self.budget_s >= 0.5 * budget.as_secs_f64()
     }

@@ -111,8 +111,8 @@ fn time_at(curve: &[[f64; 2]], error: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Returns a curve `speed` times as fast as one second a pass with an error of `noise`; seeds differ by a few
-    /// per cent.
+    /// Returns a curve `speed` times as fast as one second a pass with an error of `noise`; seeds differ by a
+    /// few per cent.
     fn curve(speed: f64, noise: f64, levels: u32) -> ErrorCurve {
         ErrorCurve::new((0..levels).map(|level| {
             let samples = f64::from(1 << level);

@@ -93,7 +93,7 @@ fn ray_lanes() -> impl TypedValueParser<Value = LaneChoice> {
     })
 }
 
-/// Where primary rays start.
+/// The start of primary rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum CameraChoice {
     /// Beside the scene, all of which it sees.

@@ -35,7 +35,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     keep_files(&jobs, &scene.files)?;
     let cameras = cameras(&options, &jobs, &scene)?;
     let limits = options.limits.limits(scenes::of_view(&scene).samples)?;
-    // Options alone get the warning: a view's are for files of any format.
+    // Only options cause the warning: those of a view are for files of any format.
     let is_displayed = options.picture.exposure.is_some() || options.picture.tone.is_some();
     if Format::from_path(&options.output).is_ok_and(Format::is_linear) && is_displayed {
         terminal::warn(&format!(
@@ -70,7 +70,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
         if code != ExitCode::SUCCESS {
             return Ok(code);
         }
-        // While the files of this frame were written.
+        // Ctrl-C may have come while the files of this frame were written.
         if index < last && interrupt::requested() {
             return Ok(ExitCode::from(INTERRUPTED));
         }
@@ -102,7 +102,7 @@ fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<
             }
         }
     };
-    // Frames of other shards too: a fault shows wherever it lies.
+    // Checks the frames of other shards too, so that a fault shows wherever it is.
     frames.clone().try_for_each(|frame| camera(frame).map(drop))?;
     jobs.iter().filter_map(|job| job.frame).map(camera).collect()
 }
@@ -163,7 +163,7 @@ impl Rendering {
         let kept = writer.map_or(Ok(()), |mut writer| writer.finish(&film, &traced.goals, complete));
         let saved = match header.filter(|_| job.shard.is_some()) {
             None => self.save_picture(job, film),
-            // Where both are one file, it is written.
+            // The output is the checkpoint, which is written.
             Some(_) if job.checkpoint.as_ref().is_some_and(|file| is_same(file, &job.output)) => Ok(()),
             Some(header) => {
                 let header = Header { complete, ..header };

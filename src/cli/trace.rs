@@ -63,7 +63,7 @@ pub fn trace(
 /// Returns the next round, or what is left of one with these goals; `None` at the end.
 fn next_round(film: &Film, limits: &Limits, goals: &[u32]) -> Option<Round> {
     match &limits.target {
-        // The film of an unfinished round must not decide: with other samples, it would decide otherwise.
+        // The film of an unfinished round must not decide: with other samples, the decision would differ.
         Some(_) if film.tiles().iter().any(|sums| goals.get(sums.tile.number) > Some(&sums.samples)) => {
             let pixel_samples =
                 |sums: &TileSums| sums.tile.pixels() as u64 * u64::from(goals[sums.tile.number]);

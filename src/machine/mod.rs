@@ -37,7 +37,7 @@ impl Machine {
     }
 }
 
-/// In one line.
+/// Formats the machine and the build in one line.
 impl fmt::Display for Machine {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { cpu, cores, target_features, rustc, commit, .. } = self;

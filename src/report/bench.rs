@@ -24,7 +24,7 @@ pub struct Report {
     /// Milliseconds from the start of the command to the end of its first frame.
     pub first_frame_ms: f64,
     pub scenes: Vec<MeasuredScene>,
-    /// By scene, then by engine.
+    /// Speeds by scene, then by engine.
     pub results: Vec<Measurement>,
     /// One sample of each scene: SIMD against scalar and against the f64 reference. A speed is reported with
     /// its accuracy.
@@ -86,7 +86,7 @@ pub struct Against {
     pub with: String,
     /// Differences between the two configurations.
     pub differences: Differences,
-    /// By scene, then by engine.
+    /// Ratios by scene, then by engine.
     pub ratios: Vec<Over>,
     /// The second configuration's figures; a program's are not here.
     pub results: Vec<Measurement>,

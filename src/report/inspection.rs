@@ -1,6 +1,7 @@
 //! The report of `octray inspect`: what a scene contains and how it is rendered, as text or as JSON.
 
 use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
+use super::settings::{as_options, json};
 use super::text::item;
 use crate::buffers::Features;
 use crate::lights::{EnvironmentLight, LightChoice, Lights};
@@ -12,7 +13,6 @@ use crate::wording::{counted, grouped};
 use glam::Vec3;
 use indicatif::DecimalBytes;
 use serde::{Serialize, Serializer};
-use serde_json::{Map, Value};
 use std::fmt::Display;
 
 #[derive(Debug, Serialize)]
@@ -32,7 +32,7 @@ pub struct Inspection {
     /// How many there are of each type, used or not; then emissive and textured ones of any type.
     #[serde(serialize_with = "as_map")]
     materials: Vec<(&'static str, usize)>,
-    /// In the order of the scene.
+    /// Textures in the order of the scene.
     textures: Vec<TextureReport>,
     sky: SkyReport,
     /// The point of the file relative to which coordinates are rounded, and a length of 1 in single
@@ -222,19 +222,10 @@ impl ViewReport {
 
     /// Returns the scene viewed, and the options as on a command line.
     fn lines(&self) -> Vec<(&'static str, String)> {
-        let mut lines = vec![("view of", self.of.clone())];
-        // Through text: an f32 in a `Value` would be printed with the digits of an f64.
-        let options: Option<Map<String, Value>> =
-            serde_json::to_string(&self.render).ok().and_then(|text| serde_json::from_str(&text).ok());
-        let words = options.iter().flatten().map(|(name, value)| match value {
-            Value::String(word) => format!("--{name} {word}"),
-            number => format!("--{name} {number}"),
-        });
-        let words: Vec<String> = words.collect();
-        if !words.is_empty() {
-            lines.push(("render", words.join(" ")));
-        }
-        lines
+        let render = json(&self.render);
+        let options = as_options(render.as_object().into_iter().flatten());
+        let lines = [("view of", self.of.clone()), ("render", options)];
+        lines.into_iter().filter(|(_, text)| !text.is_empty()).collect()
     }
 }
 

@@ -87,13 +87,8 @@ impl RunSettings {
     /// Returns the options that turn the other settings into these, as on the command line; empty where none
     /// differs.
     pub fn options(&self, others: &Self) -> String {
-        let given =
-            differences(&json(self), &json(others)).into_iter().filter(|(_, [own, _])| !own.is_null());
-        let option = |(key, [own, _]): (String, [Value; 2])| match own {
-            Value::Bool(true) => format!("--{key}"),
-            own => format!("--{key} {}", word(&own, &key)),
-        };
-        given.map(option).collect::<Vec<_>>().join(" ")
+        let differences = differences(&json(self), &json(others));
+        as_options(differences.iter().map(|(key, [own, _])| (key, own)))
     }
 
     /// Returns a line of the options that differ from the command's `defaults`.
@@ -139,6 +134,15 @@ pub fn in_words(differences: &Differences) -> String {
 pub fn json(value: &impl Serialize) -> Value {
     let text = serde_json::to_string(value).expect("settings are JSON");
     serde_json::from_str(&text).expect("it was just written")
+}
+
+/// Formats settings that are not null as options of the command line.
+pub fn as_options<'a>(settings: impl Iterator<Item = (&'a String, &'a Value)>) -> String {
+    let option = |(key, value): (&String, &Value)| match value {
+        Value::Bool(true) => format!("--{key}"),
+        value => format!("--{key} {}", word(value, key)),
+    };
+    settings.filter(|(_, value)| !value.is_null()).map(option).collect::<Vec<_>>().join(" ")
 }
 
 /// Formats the value of a setting of this name.

@@ -19,7 +19,7 @@ pub struct Report {
     pub thorough: bool,
     /// Whether the default methods keep their bounds in all test cases.
     pub holds: bool,
-    /// In the order of the list.
+    /// Results in the order of the test cases.
     pub test_cases: Vec<Outcome>,
 }
 

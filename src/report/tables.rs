@@ -1,14 +1,6 @@
 //! A chart's figures as rows of tables, and as CSV for spreadsheets and other programs: made from its JSON.
 
-use super::chart::Chart;
 use serde_json::Value;
-
-/// Returns a chart as JSON.
-pub fn json(chart: &Chart) -> Value {
-    // Through text: an f32 in a `Value` would have the digits of an f64.
-    let text = serde_json::to_string(chart).expect("a chart is JSON");
-    serde_json::from_str(&text).expect("it was just written")
-}
 
 /// An object of the JSON report, last, and those that contain it.
 #[derive(Clone, Debug)]

@@ -12,7 +12,7 @@ use std::time::{Duration, SystemTime};
 
 /// Renderings that take a few tenths of a second on one thread.
 const PLAIN: &str = "builtin:cornell --size 48x32 --samples 96";
-/// Of a round that is interrupted, the goals are saved too.
+/// An adaptive rendering, whose checkpoint also has the goals of an interrupted round.
 const ADAPTIVE: &str = "builtin:chess --size 64x36 --target-error 0.05";
 const SHARD: &str = "builtin:cornell --size 64x48 --samples 160 --shard 2/2";
 
@@ -146,7 +146,7 @@ fn checkpoint_of_something_else_is_refused_and_kept() {
         desk.refuses(&with(more), &["`c.part`", "another picture", words]);
         assert!(desk.bytes("c.part") == kept, "{more}");
     }
-    // What changes no bit may differ.
+    // Options that change no bit may differ.
     let free =
         "scene.json --samples 4 --threads 2 --lanes 1 --pipeline general --traversal linear --exposure 1";
     desk.run(&with(free));
@@ -176,7 +176,7 @@ fn full_disk_costs_neither_the_picture_nor_the_earlier_checkpoint() {
     let with = format!("render {PLAIN} --checkpoint c.part --checkpoint-interval 0.001 -o a.exr --threads 1");
     desk.run(&with.replace("--samples 96", "--samples 20"));
     let kept = desk.bytes("c.part");
-    // In blocks of 512 bytes: more than the picture takes, less than the checkpoint.
+    // The limit is in blocks of 512 bytes: more than the picture takes, less than the checkpoint.
     let limit = 512 * 48;
     assert!(expected.len() < limit && limit < kept.len(), "{} and {}", expected.len(), kept.len());
     let script = format!("trap '' XFSZ; ulimit -f 48; exec '{PROGRAM}' {with}");

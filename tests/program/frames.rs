@@ -26,7 +26,7 @@ fn frames_follow_the_keyframes_in_any_shard() {
     put_view(&desk, "key.json", r#", "camera": { "position": [3, 1, 4], "vertical_fov": 30 }"#);
     let key = desk.rendered(&format!("key.json --seed {}", reports[2]["seed"]), "key.exr");
     assert!(key == pixels("a-012.exr") && key != pixels("a-013.exr"));
-    // Without --frames, the view's own camera.
+    // Without --frames, the view's own camera is used.
     let own = desk.rendered("path.json", "own.exr");
     assert!(own == desk.rendered("scene.json --samples 2 --size 40x40", "scene.exr"));
     // Frames of a camera that stands have noise of their own, that of frame 0 being a still's.
@@ -34,7 +34,7 @@ fn frames_follow_the_keyframes_in_any_shard() {
     put_view(&desk, "stands.json", stands);
     desk.run("render stands.json -o s-#.exr --frames 0..1");
     assert!(own == pixels("s-0.exr") && own != pixels("s-1.exr"));
-    // In shards; again, from complete checkpoints; and a single one.
+    // Renders in shards; again, from complete checkpoints; and a single frame.
     for shard in ["--shard 1/2", "--shard 2/2", ""] {
         desk.run(&format!("render path.json -o b-###.exr --frames 10..14 {shard} --checkpoint c-#"));
     }

@@ -18,7 +18,7 @@ pub struct Running {
     said: Heard,
 }
 
-/// What came through a pipe until now, and the thread that reads it.
+/// The text that came through a pipe until now, and the thread that reads it.
 struct Heard(Arc<Mutex<String>>, Option<JoinHandle<()>>);
 
 impl Heard {
@@ -106,7 +106,7 @@ impl Drop for Running {
     }
 }
 
-/// What is printed of a rendering that Ctrl-C ends when tiles are done.
+/// Returns the standard output of a rendering that Ctrl-C ends when tiles are done.
 fn interrupted(desk: &Desk, arguments: &str) -> String {
     let running = Running::rendering(desk, arguments);
     running.press_ctrl_c();
@@ -203,7 +203,7 @@ fn hang_up_stays_ignored_under_nohup() {
     }
 }
 
-/// So many balls, each of which every ray is tested against, that the first tile takes minutes.
+/// Renders so many balls, against each of which every ray is tested, that the first tile takes minutes.
 #[cfg(target_os = "linux")]
 #[test]
 fn ctrl_c_before_the_first_tile_is_done_writes_nothing_and_says_so() {

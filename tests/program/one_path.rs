@@ -27,7 +27,7 @@ fn a_path_is_shown_from_the_camera_to_the_sky() {
     assert!(said.contains("\n+ light  ") && said.contains("\n= radiance "), "{said}");
     assert_fits(&said);
 
-    // As render says of the whole picture; a pixel that is not black has no such reason.
+    // The reason that `render` prints for a black picture; a pixel that is not black has none.
     let told = |line: &str| desk.warnings(line).contains("black: the camera is inside spheres[0]");
     desk.write("inside.json", SCENE.replace("[0, 0, 5]", "[0, 0, 0.5]"));
     assert!(

@@ -238,7 +238,7 @@ fn dump_holds_the_rays_and_hits_that_the_report_counts() {
             }
         }
     }
-    // The same again, in place of the files that are there.
+    // A second run replaces the files by the same ones.
     let before = desk.bytes("a/b/shadow.rays");
     desk.run(line);
     assert_eq!(desk.bytes("a/b/shadow.rays"), before);

@@ -112,7 +112,8 @@ fn clamp_cuts_bright_samples_off_and_is_told() {
     assert_eq!(desk.json(&format!("{line} -o clamped.exr --clamp 0.5"))["clamp"], 0.5);
     let [plain, clamped] = ["plain.exr", "clamped.exr"].map(|file| desk.pixels(file));
     assert!(clamped.iter().flatten().all(|&value| value <= 0.5));
-    // What is dark in every sample stays as it is, and what is cut off is missing: a lamp is in the picture.
+    // Pixels that are dark in every sample stay as they are, and bright ones lose light: a lamp is in the
+    // picture.
     assert!(plain.iter().zip(&clamped).any(|(plain, clamped)| plain == clamped && *plain != [0.0; 3]));
     assert!(plain.iter().zip(&clamped).all(|(p, c)| (0..3).all(|i| c[i] <= p[i])));
     assert!(plain.iter().flatten().any(|&value| value > 5.0));

@@ -30,7 +30,7 @@ fn browser() -> Option<Command> {
     Some(browser)
 }
 
-/// What the browser makes of a page, after its scripts have run.
+/// Returns the page as the browser has it after its scripts have run.
 fn dom(file: &Path, width: u32) -> Option<String> {
     let output = browser()?
         .arg(format!("--window-size={width},900"))

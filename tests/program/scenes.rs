@@ -102,7 +102,7 @@ fn inspect_reports_textures_gradient_and_needs() {
     }
 }
 
-/// What `inspect --why` says of a scene, a fact a line: on the terminal, long ones go on in lines below.
+/// Returns the text of `inspect --why`, a fact a line: on the terminal, long facts take several lines.
 fn inspected(desk: &Desk, scene: &str) -> String {
     let said = desk.run(&format!("inspect {scene} --why"));
     assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
@@ -154,7 +154,7 @@ fn inspect_shows_the_hierarchy_that_rays_go_through() {
     assert!((each * triangles - bytes).abs() < 1.0 && each > 36.0, "{hierarchy}");
     let [nodes, leaves, levels] = ["wide_nodes", "leaves", "wide_depth"].map(|key| &hierarchy["tree"][key]);
     assert!(number(leaves) >= triangles / LEAF as f64, "{hierarchy}");
-    // As `rays` counts them.
+    // `rays` counts the same.
     let rays = desk.json("rays builtin:knot:2000 --size 8x8 --passes 1 --threads 1");
     assert_eq!((&rays["tree"], &rays["bvh_bytes"]), (&hierarchy["tree"], &hierarchy["bytes"]));
 

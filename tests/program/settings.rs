@@ -45,7 +45,7 @@ fn texts_have_a_line_of_the_options_that_differ() {
     }
 }
 
-/// Of the first scene and engine.
+/// Returns the traversal of the first scene and engine.
 fn traversal(report: &Value) -> &Value {
     report.get("traversal").unwrap_or(&report["results"][0]["traversal"])
 }

@@ -4,7 +4,7 @@ use crate::desk::{Desk, assert_fits, list, number};
 use octray::measure::stability::test_case;
 use serde_json::{Value, json};
 
-/// Of the cheapest.
+/// Runs two of the cheapest test cases.
 const QUICK: &str = "stability --only spheres-tangent spheres-inside";
 
 #[test]

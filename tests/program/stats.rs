@@ -4,7 +4,7 @@ use crate::desk::{Desk, assert_fits, list, number};
 use octray::lane::NATIVE_WIDTH;
 use serde_json::{Value, json};
 
-/// What holds of all figures about frames; `rays` is how many there should be.
+/// Asserts what holds of all figures about frames; `rays` is their expected number.
 fn check_frames(stats: &Value, rays: f64) {
     assert_eq!(number(&stats["rays"]), rays, "{stats}");
     let sum = |of: &str, key: &str| -> f64 { list(&stats[of]).iter().map(|entry| number(&entry[key])).sum() };

@@ -56,7 +56,7 @@ fn options_win_over_the_view() {
     let of_view = report("");
     assert_eq!(figures(&of_view), [3, 4_000_000_000, 13, 4]);
     assert!((number(&of_view["clamp"]) - 0.61).abs() < 1e-7);
-    // Those that change no bit.
+    // Options that change no bit are in the settings.
     let ways = ["traversal", "pipeline"].map(|key| &of_view["settings"][key]);
     assert_eq!(ways, ["linear", "general"], "{of_view}");
     let given = report("--samples 2 --seed 7 --clamp 5 --size 8x8 --bounces 1");

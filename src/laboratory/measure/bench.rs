@@ -150,7 +150,7 @@ pub fn bench(
         }
         order.reverse();
     }
-    // The same frames for all engines, so that they trace the same rays.
+    // All engines count the same frames, so that they trace the same rays.
     let median = |run: &TimedRenderer| Quantiles::of(run.times.seconds.clone()).median();
     let slowest = runs.iter().flatten().map(median).fold(0.0, f64::max);
     let frames = (STATS_TIME.as_secs_f64() / slowest).clamp(1.0, MOST_STATS_FRAMES) as u32;

@@ -23,11 +23,11 @@ const SHADOW_T_MAX: f64 = 0.25;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// From the camera: the nearest hit.
+    /// Rays from the camera: the nearest hit.
     Primary,
-    /// From surfaces, with a finite t_max: any hit. Ambient occlusion.
+    /// Rays from surfaces, with a finite t_max: any hit. Ambient occlusion.
     Shadow,
-    /// From surfaces: the nearest hit.
+    /// Rays from surfaces: the nearest hit.
     Diffuse,
 }
 
@@ -55,7 +55,7 @@ pub struct RaySet {
     pub origin: [Vec<f32>; 3],
     /// Columns x, y, z; unit length.
     pub direction: [Vec<f32>; 3],
-    /// In units of t: a distance, as directions have unit length.
+    /// End of each ray in units of t: a distance, as directions have unit length.
     pub t_max: Vec<f32>,
 }
 
@@ -151,7 +151,7 @@ pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Answer) -> (
 /// One ray's hit, as in the columns of [`Answers`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Answer {
-    /// In units of the direction's length; t_max for a miss.
+    /// Distance of the hit in units of the direction's length; t_max for a miss.
     pub t: f32,
     /// Number of the primitive hit; `u32::MAX` for a miss.
     pub primitive: u32,
@@ -176,7 +176,7 @@ impl Answer {
 /// The hit of each ray of a set, as columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answers {
-    /// For a miss, t_max.
+    /// Distance of each hit; t_max for a miss.
     pub t: Vec<f32>,
     /// Spheres first, in the scene's order, then triangles; [`MISS`] without a hit.
     pub primitive: Vec<u32>,

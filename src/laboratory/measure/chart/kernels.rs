@@ -42,9 +42,9 @@ pub struct Kernel {
     pub p99: Option<f64>,
     /// The share of inputs that fail.
     pub failures: f64,
-    /// Where `p99` comes from; null without one.
+    /// Test case and place of `p99`; null without one.
     pub error_case: Option<CaseAt>,
-    /// Where `failures` comes from.
+    /// Test case and place of `failures`.
     pub failure_case: CaseAt,
 }
 

@@ -39,16 +39,16 @@ pub(crate) const MOST_GROUND_TRUTH_SAMPLES: u32 = 1_024;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CameraPath {
-    /// To the right at walking speed, looking ahead.
+    /// Moves to the right at walking speed, looking ahead.
     Sideways,
-    /// Along the view at walking speed.
+    /// Moves along the view at walking speed.
     Forwards,
-    /// In place, around the up vector, by 30° a second.
+    /// Turns in place, around the up vector, by 30° a second.
     Turning,
 }
 
 impl CameraPath {
-    /// In the order of reports.
+    /// All paths in the order of reports.
     pub const ALL: [Self; 3] = [Self::Sideways, Self::Forwards, Self::Turning];
 
     /// Returns the name in reports, in lower case.

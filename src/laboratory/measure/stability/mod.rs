@@ -1,4 +1,4 @@
-//! Where methods fail: test cases of difficult inputs, every method on each, checked in double precision.
+//! Test cases on which methods fail: difficult inputs, every method on each, checked in double precision.
 //!
 //! A test case generates rays (or other inputs) with fixed seeds along one axis: a distance, a scale, a
 //! shape. At each place of the axis each method gets the same inputs; an f64 computation, which shares

@@ -92,9 +92,9 @@ pub(super) fn test_cases() -> Vec<TestCase> {
 /// A sphere of single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Ball {
-    /// In scene units.
+    /// Centre, in scene units.
     pub center: Vec3,
-    /// In scene units; positive.
+    /// Radius, in scene units; positive.
     pub radius: f32,
 }
 

@@ -144,8 +144,8 @@ fn shape(rng: &mut Rng, center: DVec3) -> ([DVec3; 3], DVec3) {
     }
 }
 
-/// Returns a triangle of `shape`, `size` times as large, and a ray from the distance `distance` towards a
-/// point of its plane, near it.
+/// Returns a triangle of edges about `size` around `center` · `size`, without small angles, and a ray from
+/// the distance `distance` · `size` towards a point of its plane, near it.
 pub fn well_shaped(rng: &mut Rng, center: DVec3, distance: f64, size: f64) -> ([Vec3; 3], Ray<f32>) {
     let (corners, normal) = shape(rng, center);
     let direction = loop {

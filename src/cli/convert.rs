@@ -1,6 +1,6 @@
 //! `octray convert`: from a mesh to a scene file.
 
-use super::error::CliError;
+use super::error::{CliError, refuse_input};
 use super::outputs::keep_inputs;
 use super::terminal;
 use crate::output::{self, Existing};
@@ -57,7 +57,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 }
 
 fn refuse(file: &Path, what: &str, mend: impl AsRef<str>) -> Result<(), CliError> {
-    Err(CliError::Input(format!("`{}` {what}\n  {}", file.display(), mend.as_ref())))
+    Err(refuse_input(format!("`{}` {what}", file.display()), mend.as_ref()))
 }
 
 // Scenes and models are recognised by their extensions: a file with another one would be read as something

@@ -48,6 +48,11 @@ pub enum CliError {
     Stdout(#[source] io::Error),
 }
 
+/// Returns the error for an input that cannot be used, with what to do instead.
+pub fn refuse_input(what: impl Display, instead: impl Display) -> CliError {
+    CliError::Input(format!("{what}\n  {instead}"))
+}
+
 /// Returns the error for an option's value that cannot be used, with what to give instead.
 pub fn refuse(option: &str, value: impl Display, instead: impl Display) -> CliError {
     CliError::Input(format!("{option} {value}: {instead}"))

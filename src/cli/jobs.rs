@@ -241,18 +241,3 @@ fn numbered(path: &Path, frame: u32) -> Option<PathBuf> {
     let digits = end - start;
     Some(path.with_file_name(format!("{}{frame:0digits$}{}", &name[..start], &name[end..])))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbered_fills_the_last_row_of_signs() {
-        let name = |path: &str| numbered(path.as_ref(), 42).map(|path| path.to_str().unwrap().to_owned());
-        assert_eq!(name("a/shot-####.png").as_deref(), Some("a/shot-0042.png"));
-        assert_eq!(name("#.png").as_deref(), Some("42.png"));
-        assert_eq!(name("take#2-###.exr").as_deref(), Some("take#2-042.exr"));
-        assert_eq!(name("a#/shot.png"), None);
-        assert_eq!(name("shot.png"), None);
-    }
-}

@@ -1,6 +1,6 @@
 //! `octray view`: walks through scenes in a terminal or, with the feature `window`, in a window.
 //!
-use super::error::CliError;
+use super::error::{CliError, refuse, refuse_input};
 use super::numbers::whole;
 use super::options::PictureOptions;
 use super::terminal::{self, Printer};
@@ -167,23 +167,23 @@ impl Report {
 }
 
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
-    let refuse = |what: &str, mend: &str| Err(CliError::Input(format!("{what}\n  {mend}")));
     let names = scenes::or_built_in(&options.scenes, builtin_names());
     let Some(playlist) = Playlist::new(&names) else {
         let what = "there is no scene (.json) and no model (.obj, .gltf, .glb, .ply) in";
         let names = names.join(OsStr::new(", "));
-        return refuse(&format!("{what} {}", names.display()), "name a folder that holds some, or a file");
+        let instead = "name a folder that holds some, or a file";
+        return Err(refuse_input(format!("{what} {}", names.display()), instead));
     };
     if !options.screenshots.is_dir() {
-        let what = format!("there is no folder `{}` for screenshots", options.screenshots.display());
-        return refuse(&what, "make it, or name another with --screenshots");
+        let instead = "there is no such folder: make it, or name another";
+        return Err(refuse("--screenshots", options.screenshots.display(), instead));
     }
     let name = playlist.current();
     let path = Path::new(name);
     let is_built_in = path.to_string_lossy().starts_with("builtin:");
     if !is_built_in && path.extension().is_none() && !path.exists() {
         let what = format!("there is no file or folder `{}`", path.display());
-        return refuse(&what, "name a scene, a model, a folder of them, or builtin:NAME");
+        return Err(refuse_input(what, "name a scene, a model, a folder of them, or builtin:NAME"));
     }
     let first = scenes::load_with_warnings(name, false)?;
     options.picture.methods.check(&options.picture.methods(&first))?;
@@ -191,7 +191,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let in_terminal = options.terminal || !cfg!(feature = "window");
     if in_terminal && !std::io::stdout().is_terminal() {
         let what = "octray view draws in a terminal here, and standard output is not one";
-        return refuse(what, FOR_A_WINDOW);
+        return Err(refuse_input(what, FOR_A_WINDOW));
     }
     let report = match options.viewer(&first) {
         #[cfg(feature = "window")]

@@ -171,19 +171,3 @@ impl Line {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn line(name: &str, points: &[[f64; 2]]) -> Line {
-        Line { name: name.into(), points: points.to_vec(), ..Line::default() }
-    }
-
-    #[test]
-    fn nothing_to_draw_is_drawn() {
-        assert!(Figure::default().svg().ends_with("</svg>\n"));
-        let empty = Panel { lines: vec![line("none", &[])], ..Panel::default() };
-        assert!(!Figure { panels: vec![empty], ..Figure::default() }.svg().contains("none<"));
-    }
-}

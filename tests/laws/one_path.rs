@@ -6,8 +6,15 @@ use octray::scene::builtin_names;
 #[test]
 fn vertices_are_those_of_the_film_and_of_the_reference() {
     let (mut paths, mut parted, mut lights_found) = (0, 0, 0);
-    for name in builtin_names() {
-        let scene = load(&format!("builtin:{name}")).unwrap();
+    let builtin = |name: &str| load(&format!("builtin:{name}")).unwrap();
+    // A lamp twice in one place: what a shadow ray hits decides what it adds.
+    let mut twice = Scene { name: "a lamp twice".into(), ..builtin("cornell") };
+    let emits = |triangle: &&Triangle| twice.materials[triangle.material as usize].emits();
+    let lamp: Vec<Triangle> = twice.triangles.iter().filter(emits).copied().collect();
+    twice.triangles.extend(lamp);
+    assert!(Lights::new(&twice, LightChoice::On).needs_hits());
+    for scene in builtin_names().map(builtin).chain([twice]) {
+        let name = &scene.name;
         let judge = Reference::new(&scene);
         for (lights, sampler) in [(LightChoice::On, Sampler::Sobol), (LightChoice::Off, Sampler::Random)] {
             let methods = Methods { lights, sampler, ..Methods::default() };

@@ -8,6 +8,7 @@ use super::emission::{missed_radiance, surface_radiance};
 use super::material::MaterialSample;
 use super::pipeline::pipeline_for;
 use super::scratch::Scratch;
+use super::shadow_rays::{arriving_radiance, find_occluders};
 use super::surface::Surface;
 use crate::buffers::Features;
 use crate::camera::Tile;
@@ -33,10 +34,11 @@ pub fn trace_path(context: &mut TraceContext, [x, y]: [u32; 2], sample: u32) -> 
             // The last one, traced again; overwrites the hit.
             let (vertex, scratch) = (&mut vertices[events as usize - 1], &mut *scratch);
             let (rays, mut hits) = scratch.shadow_queue.queries(&mut scratch.queue, 1);
-            scratch.tracer.occluded_in_scene(&context.structure, &rays, &mut hits);
+            find_occluders(context, &mut scratch.tracer, &rays, &mut hits);
             vertex.light_direction = Some(rays.packet::<f32>(0).direction.get(0).into());
-            let (_, radiance) = scratch.shadow_queue.contribution::<f32>(0);
-            vertex.light = Some(if hits.get(0).found() { [0.0; 3] } else { radiance.get(0).into() });
+            let (arrives, (_, radiance)) =
+                arriving_radiance(context, &scratch.shadow_queue, 0, &hits.get(0), true);
+            vertex.light = Some(if arrives { radiance.get(0).into() } else { [0.0; 3] });
         }
     }
     context.max_bounces = most;

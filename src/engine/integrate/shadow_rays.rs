@@ -14,6 +14,7 @@ use crate::kernel::ray_cone::Cone;
 use crate::lane::{Lane, Mask};
 use crate::lights::{ChosenLight, LightSample};
 use crate::math::{Hit, Ray, Vec3};
+use crate::rays::{Hits, Rays, Tracer};
 use crate::sampling::{PacketValues, dimension};
 
 /// A shadow ray ends this share of its length before the light: far more than the error of a hit's distance,
@@ -125,36 +126,51 @@ fn segment_to<L: Lane>(sample: &LightSample<L>, offset: L) -> (Vec3<L>, L) {
 
 /// Traces the first `count` shadow rays and adds the radiance of the unoccluded ones.
 pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch, count: usize) {
-    let needs_hits = context.lights.needs_hits();
     let Scratch { queue, shadow_queue, tracer, observer, radiance: sums, .. } = scratch;
     observer.begin_shadow_rays::<L>(count);
     let (rays, mut hits) = shadow_queue.queries(queue, count);
-    if needs_hits {
-        tracer.closest_in_scene(&context.structure, &rays, &mut hits);
-    } else {
-        tracer.occluded_in_scene(&context.structure, &rays, &mut hits);
-    }
+    find_occluders(context, tracer, &rays, &mut hits);
     observer.add_tests(RayKind::Shadow, tracer);
     let mut contributions = 0;
     for at in (0..count).step_by(L::WIDTH) {
         let (rays, hit) = (L::Mask::first(count - at), hits.packet::<L>(at));
-        let (unoccluded, (slot, radiance)) = if needs_hits {
-            radiance_of_hits::<L>(context, shadow_queue, at, &hit, rays)
-        } else {
-            (rays & !hit.found(), shadow_queue.contribution::<L>(at))
-        };
-        if unoccluded.any() {
-            contributions = sums.push(contributions, unoccluded, slot, radiance);
+        let (arrives, (slot, radiance)) = arriving_radiance::<L>(context, shadow_queue, at, &hit, rays);
+        if arrives.any() {
+            contributions = sums.push(contributions, arrives, slot, radiance);
         }
     }
     sums.add(contributions);
     observer.begin(Some(Stage::Shade));
 }
 
-/// Returns which shadow rays of a packet hit the light that they run to, and what they add to which slots:
-/// what their hits emit.
+/// Traces shadow rays: finds whether something is in their way or, where [`crate::lights::Lights::needs_hits`], what they
+/// hit.
+pub(super) fn find_occluders(context: &TraceContext, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits) {
+    match context.lights.needs_hits() {
+        true => tracer.closest_in_scene(&context.structure, rays, hits),
+        false => tracer.occluded_in_scene(&context.structure, rays, hits),
+    }
+}
+
+/// Returns which of the packet's shadow rays, those in `rays`, reach their lights, and what they add to which
+/// slots.
+#[inline(always)]
+pub(super) fn arriving_radiance<L: Lane>(
+    context: &TraceContext,
+    queue: &ShadowQueue,
+    at: usize,
+    hit: &Hit<L>,
+    rays: L::Mask,
+) -> (L::Mask, (L::Bits, Vec3<L>)) {
+    match context.lights.needs_hits() {
+        true => emitted_by_hits(context, queue, at, hit, rays),
+        false => (rays & !hit.found(), queue.contribution(at)),
+    }
+}
+
+/// [`arriving_radiance`] of rays that hit the primitives of their lights: what the hits emit.
 #[inline(never)]
-fn radiance_of_hits<L: Lane>(
+fn emitted_by_hits<L: Lane>(
     context: &TraceContext,
     queue: &ShadowQueue,
     at: usize,

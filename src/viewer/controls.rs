@@ -176,7 +176,6 @@ mod tests {
     #[test]
     fn bounds_hold() {
         let mut controls = controls();
-
         (0..9).for_each(|_| controls.add_bounces(-1));
         assert_eq!(controls.bounces, 0);
         (0..99).for_each(|_| controls.add_scale(-1));

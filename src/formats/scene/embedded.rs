@@ -13,10 +13,9 @@ macro_rules! scenes {
     ($($name:literal),*) => { &[$(($name, include_str!(concat!("../scenes/", $name, ".json")))),*] };
 }
 
-#[rustfmt::skip]
-const SCENES: &[(&str, &str)] = scenes![
+const SCENES: &[(&str, &str)] = scenes! {
     "thesis", "three", "spheres", "cornell", "cornell-spheres", "balls", "materials", "chess", "far"
-];
+};
 
 const FILES: [(&str, &[u8]); 2] = [
     ("textures/sky.jpg", include_bytes!("../scenes/textures/sky.jpg")),

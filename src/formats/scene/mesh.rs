@@ -136,7 +136,7 @@ impl Mesh {
         builder.check_room(triangles).map_err(|error| error.in_file(path))?;
         let points = self.corners.iter().map(|corner| self.positions[corner.position as usize]);
         let placement = builder.within_scene(placement, points);
-        let mut tally = Tally::default();
+        let (first, mut count) = (builder.scene.triangles.len(), 0);
         let (mut white, mut triangles, mut cutter) = (None, Vec::new(), Earcut::new());
         for (face, corners) in self.polygons() {
             let is_colored = !self.colors.is_empty() || !face.color.is_nan();
@@ -157,6 +157,7 @@ impl Mesh {
                     format!("it has more than {MOST_CORNERS} corners and is shown as a fan, perhaps wrongly");
                 builder.notes.add(&" a face", what);
             }
+            count += triangles.len();
             for &triangle in &triangles {
                 let corners = triangle.map(|corner| corners[corner]);
                 let points = corners.map(|corner| placement.point(self.positions[corner.position as usize]));
@@ -168,12 +169,12 @@ impl Mesh {
                     normals: normals.map(|normals| normals.map(rotated)),
                     colors: colors.or(is_colored.then_some([face.color; 3])).filter(|_| material.is_none()),
                 };
-                tally.add(points, number, attributes, builder)?;
+                add_triangle(points, number, attributes, builder)?;
             }
         }
         builder.warn_of_notes(path, ":");
         self.notes.warnings(path, ":").for_each(|warning| builder.warn(warning));
-        tally.finish(path, builder)
+        finish(path, builder, first, count)
     }
 
     /// Returns the faces and their corners.
@@ -249,43 +250,32 @@ impl From<SceneError> for Unusable {
     }
 }
 
-/// The number of a model's triangles with an area, and without.
-#[derive(Default)]
-pub struct Tally {
-    with_area: usize,
-    without_area: usize,
+/// Adds a triangle of a model, in the coordinates of the scene, to the builder. It is flat if one of its normals
+/// has no direction, and left out if it has no area.
+pub fn add_triangle(
+    points: [DVec3; 3],
+    material: u32,
+    attributes: Attributes,
+    builder: &mut SceneBuilder,
+) -> Result<(), Unusable> {
+    if let Some(&outside) = points.iter().find(|point| !is_near(**point)) {
+        return Err(Unusable::TooFar(builder.scene.coordinates.to_file(outside)));
+    }
+    let normals = attributes.normals.filter(|normals| !normals.contains(&Vec3::ZERO));
+    let _ = builder.add_triangle(points, material, Attributes { normals, ..attributes });
+    Ok(())
 }
 
-impl Tally {
-    /// Adds a triangle in the coordinates of the scene to the builder. It is flat if one of its normals has
-    /// no direction.
-    pub fn add(
-        &mut self,
-        points: [DVec3; 3],
-        material: u32,
-        attributes: Attributes,
-        builder: &mut SceneBuilder,
-    ) -> Result<(), Unusable> {
-        if let Some(&outside) = points.iter().find(|point| !is_near(**point)) {
-            return Err(Unusable::TooFar(builder.scene.coordinates.to_file(outside)));
-        }
-        let normals = attributes.normals.filter(|normals| !normals.contains(&Vec3::ZERO));
-        match builder.add_triangle(points, material, Attributes { normals, ..attributes }) {
-            true => self.with_area += 1,
-            false => self.without_area += 1,
-        }
-        Ok(())
+/// Warns of the triangles without an area, of the `count` that a model added to the builder from the index
+/// `first` on. Refuses a model that has no others.
+pub fn finish(path: &Path, builder: &mut SceneBuilder, first: usize, count: usize) -> Result<(), Unusable> {
+    let without_area = count - (builder.scene.triangles.len() - first);
+    if without_area == count {
+        return Err(Unusable::NoArea);
     }
-    /// Warns of triangles without an area, and refuses a model that has no others.
-    pub fn finish(self, path: &Path, builder: &mut SceneBuilder) -> Result<(), Unusable> {
-        let Self { with_area, without_area } = self;
-        if with_area == 0 {
-            return Err(Unusable::NoArea);
-        }
-        if without_area > 0 {
-            let (noun, verb) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
-            builder.warn(format!("{}: {without_area} {noun} of zero area {verb} left out.", path.display()));
-        }
-        Ok(())
+    if without_area > 0 {
+        let (noun, verb) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
+        builder.warn(format!("{}: {without_area} {noun} of zero area {verb} left out.", path.display()));
     }
+    Ok(())
 }

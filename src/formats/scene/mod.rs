@@ -47,7 +47,7 @@ pub use embedded::{bench_names, names as builtin_names};
 pub use error::SceneError;
 pub use files::has_extension;
 pub use load::{load, load_as, load_from, load_with_view, may_be_scene};
-pub use model::{EXTENSIONS as MODEL_EXTENSIONS, is_model};
+pub use model::is_model;
 pub use view::{Loaded, Rendering, View, view_fault};
 pub use write::point_in_file;
 

@@ -4,7 +4,7 @@ use super::super::builder::{Attributes, SceneBuilder};
 use super::super::check::is_within_bounds;
 use super::super::error::SceneError;
 use super::super::json::JsonPath;
-use super::super::mesh::{Tally, Unusable};
+use super::super::mesh::{Unusable, add_triangle};
 use super::super::notes::Notes;
 use super::super::placement::Placement;
 use super::accessor::{Accessors, Numbers};
@@ -168,7 +168,6 @@ impl Transform {
         geometry: &Geometry,
         material: Added,
         builder: &mut SceneBuilder,
-        tally: &mut Tally,
     ) -> Result<(), Unusable> {
         for number in 0..geometry.triangles() {
             let mut corners = geometry.triangle(number);
@@ -192,7 +191,7 @@ impl Transform {
             let uvs =
                 uvs.filter(|uvs| uvs.iter().all(|uv| uv.is_finite() && is_within_bounds(uv.length().into())));
             let attributes = Attributes { uvs: uvs.or(Some([Vec2::ZERO; 3])), normals, colors };
-            tally.add(points, material.number, attributes, builder)?;
+            add_triangle(points, material.number, attributes, builder)?;
         }
         Ok(())
     }

@@ -21,7 +21,7 @@ use super::check::is_near;
 use super::error::SceneError;
 use super::files::Files;
 use super::json::Source;
-use super::mesh::{Tally, Unusable};
+use super::mesh::{self, Unusable};
 use super::placement::Placement;
 use accessor::Accessors;
 use bytes::Document;
@@ -115,14 +115,14 @@ impl Gltf {
                 .map(|point| transform.transform_point3(point))
         });
         let placement = &builder.within_scene(placement, points);
-        let mut tally = Tally::default();
+        let first = builder.scene.triangles.len();
         for (mesh, transform) in &self.nodes.meshes {
             let transform = Transform::new(transform, placement);
             for (own, geometry) in &meshes[mesh] {
-                transform.add(geometry, *own, builder, &mut tally)?;
+                transform.add(geometry, *own, builder)?;
             }
         }
-        tally.finish(path, builder)
+        mesh::finish(path, builder, first, triangles)
     }
 
     /// Reads the primitives of a mesh, each with `material` or else with its own one.

@@ -143,8 +143,8 @@ pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch,
     observer.begin(Some(Stage::Shade));
 }
 
-/// Traces shadow rays: finds whether something is in their way or, where [`crate::lights::Lights::needs_hits`], what they
-/// hit.
+/// Traces shadow rays: finds whether something is in their way or, where
+/// [`crate::lights::Lights::needs_hits`], what they hit.
 pub(super) fn find_occluders(context: &TraceContext, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits) {
     match context.lights.needs_hits() {
         true => tracer.closest_in_scene(&context.structure, rays, hits),

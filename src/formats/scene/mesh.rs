@@ -250,8 +250,8 @@ impl From<SceneError> for Unusable {
     }
 }
 
-/// Adds a triangle of a model, in the coordinates of the scene, to the builder. It is flat if one of its normals
-/// has no direction, and left out if it has no area.
+/// Adds a triangle of a model, in the coordinates of the scene, to the builder. It is flat if one of its
+/// normals has no direction, and left out if it has no area.
 pub fn add_triangle(
     points: [DVec3; 3],
     material: u32,

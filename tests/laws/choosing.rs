@@ -3,6 +3,7 @@
 //! overlooked on the way there, by any equations.
 
 use crate::common::*;
+use crate::light_laws::polygon_irradiance;
 
 /// Round lamps in a row, each at its own number, of these radiances.
 fn lamps(radiances: &[f32]) -> Scene {
@@ -129,41 +130,51 @@ fn tables_hold_as_many_lights_as_they_promise() {
     }
 }
 
-/// A lamp over the floor's middle, at `foot`, of either shape, and what the floor there gets of it.
-fn under_a_lamp(foot: Vec3, scale: f32, round: bool) -> (Scene, f64) {
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    Sphere,
+    Triangle,
+    Quad,
+}
+
+/// A lamp over the floor's middle, at `foot`, and what the floor there gets of it.
+fn under_a_lamp(foot: Vec3, scale: f32, shape: Shape) -> (Scene, f64) {
     let mut scene = floor(foot, 2.0 * scale);
     scene.materials.push(lamp(50.0));
-    if round {
+    if shape == Shape::Sphere {
         scene.spheres = vec![sphere(foot + vec3(0.6, 0.8, 0.0) * scale, 0.1 * scale, 1)];
         // Radiance 50, sin² = 0.01, cos = 0.8, of π / π.
         return (scene, 0.4);
     }
-    let half = 0.05;
-    let corner = |x: f32, z: f32| foot + (vec3(0.6, 0.8, 0.0) + vec3(x, 0.0, z) * half) * scale;
-    let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-    scene.triangles.extend([triangle([a, b, c], 1), triangle([a, c, d], 1)]);
-    // Radiance 50 · area · cos² / π; the lamp's size takes less than a hundredth.
-    (scene, 50.0 * 0.01 * 0.64 / std::f64::consts::PI)
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let corners = corners.map(|[x, z]| vec3(0.6, 0.8, 0.0) + vec3(x, 0.0, z) * 0.05);
+    let outline = if shape == Shape::Quad { &corners[..] } else { &corners[..3] };
+    for end in 2..outline.len() {
+        let vertices = [outline[0], outline[end - 1], outline[end]];
+        scene.triangles.push(triangle(vertices.map(|corner| foot + corner * scale), 1));
+    }
+    let outline: Vec<_> = outline.iter().map(|corner| corner.as_dvec3()).collect();
+    (scene, 50.0 / std::f64::consts::PI * polygon_irradiance(&outline).y.abs())
 }
 
 #[test]
 fn lamps_light_and_are_shaded_at_every_scale() {
     for scale in [1e-10, 1e-8, 1e-5, 1.0, 1e5, 1e9] {
         let feet = [Vec3::ZERO, vec3(30.0, -20.0, 50.0) * scale];
-        for (foot, round) in feet.into_iter().flat_map(|foot| [(foot, true), (foot, false)]) {
-            let (open, truth) = under_a_lamp(foot, scale, round);
+        let shapes = [(Shape::Sphere, 2e-3), (Shape::Triangle, 4e-3), (Shape::Quad, 4e-3)];
+        for (foot, (shape, most)) in feet.into_iter().flat_map(|foot| shapes.map(|shape| (foot, shape))) {
+            let (open, truth) = under_a_lamp(foot, scale, shape);
             let got = mean(&render(&open, Settings::of(&open), 64));
-            let most = if round { 2e-3 } else { 0.01 };
-            assert!((got / truth - 1.0).abs() < most, "{scale:e}, {foot}, round: {round}: {got} of {truth}");
+            assert!((got / truth - 1.0).abs() < most, "{scale:e}, {foot}, {shape:?}: {got} of {truth}");
             // A black sheet so close to the lamp that a ray which ends a thousandth too early overlooks it.
             let mut shaded = open;
             shaded.materials.push(Material { color: Vec3::ZERO, ..material(Diffuse) });
-            let height = if round { 0.7 } else { 0.8 } - 4e-4;
+            let height = if shape == Shape::Sphere { 0.7 } else { 0.8 } - 4e-4;
             let corners = [[-0.2, -3.0], [-0.2, 3.0], [3.0, 0.0]];
             let corners = corners.map(|[x, z]| foot + vec3(0.2 + x, height, z) * scale);
             shaded.triangles.push(triangle(corners, 2));
             let got = mean(&render(&shaded, Settings::of(&shaded), 64));
-            assert_eq!(got, 0.0, "{scale:e}, {foot}, round: {round}: light through the sheet");
+            assert_eq!(got, 0.0, "{scale:e}, {foot}, {shape:?}: light through the sheet");
         }
     }
 }
@@ -179,7 +190,7 @@ fn put_even_sky(scene: &mut Scene) {
 /// The sky's chance counts on both sides, by search and by chance: here it is about two thirds.
 #[test]
 fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
-    let (mut scene, lamp) = under_a_lamp(Vec3::ZERO, 1.0, true);
+    let (mut scene, lamp) = under_a_lamp(Vec3::ZERO, 1.0, Shape::Sphere);
     let corners = [vec3(-0.3, 0.0, -0.3), vec3(0.0, 0.0, 0.5), vec3(0.3, 0.0, -0.3)];
     scene.triangles[0] = triangle(corners, 0);
     put_even_sky(&mut scene);

@@ -116,16 +116,23 @@ fn hits_lie_within_the_room_made_for_them_and_need_more_than_an_eighth_of_it() {
     assert!((per_radius / 8.0..per_radius).contains(&worst_length), "{worst_length:e}");
 }
 
-/// Culling keeps every sphere that is hit.
+/// Culling keeps every sphere that is hit, and the ray passes its box, by the numbers that traversals use.
 #[test]
-fn spheres_that_are_hit_are_not_culled() {
+fn spheres_that_are_hit_are_not_culled_and_their_boxes_are_entered_no_later() {
+    let corner = |v: Vec3| math::Vec3::<f32>::splat(v);
     let mut hits = 0;
     for (length, distances) in LENGTHS.into_iter().flat_map(|length| DISTANCES.map(|near| (length, near))) {
-        each_hit(92, 100_000, distances, length, |&Found { center, radius, origin, direction, .. }| {
+        each_hit(92, 100_000, distances, length, |&Found { center, radius, origin, direction, t }| {
             hits += 1;
-            let culling = SphereCulling::<f32>::new(&ray(origin, direction));
-            let kept = culling.may_hit(&CulledSphere::new(center, radius));
-            assert!(kept, "{origin} {direction} {center} {radius:e}");
+            let ray = ray(origin, direction);
+            let what = || format!("{origin} {direction} {center} {radius:e}");
+            let is_kept = SphereCulling::<f32>::new(&ray).may_hit(&CulledSphere::new(center, radius));
+            assert!(is_kept, "culled: {}", what());
+            let bounds = Bounds::new(sphere_bounds(center, radius));
+            let extent = bounds.lo.abs().max(bounds.hi.abs()).max_element();
+            let slabs = BoxRay::new(&ray, Padding::new(extent).with_spheres());
+            let (near, far) = slabs.pass(corner(bounds.lo), corner(bounds.hi));
+            assert!(near <= far && far >= 0.0 && near <= t, "{}: {near} to {far}, hit at {t}", what());
         });
     }
     assert!(hits > 1_500_000, "{hits}");
@@ -168,25 +175,5 @@ fn spheres_beyond_the_range_of_squares_are_not_culled() {
         (ray(Vec3::splat(3e38), Vec3::X), Vec3::splat(-3e38)),
     ] {
         assert!(SphereCulling::<f32>::new(&ray).may_hit(&CulledSphere::new(center, 1.0)), "{ray:?} {center}");
-    }
-}
-
-/// The same by the numbers that traversals use.
-#[test]
-fn rays_pass_the_boxes_of_spheres_they_hit_and_enter_them_no_later() {
-    for length in LENGTHS {
-        for distances in DISTANCES {
-            each_hit(92, 60_000, distances, length, |found| {
-                let bounds = Bounds::new(sphere_bounds(found.center, found.radius));
-                let extent = bounds.lo.abs().max(bounds.hi.abs()).max_element();
-                let padding = Padding::new(extent).with_spheres();
-                let slabs = BoxRay::new(&ray(found.origin, found.direction), padding);
-                let corner = |v: Vec3| math::Vec3::new(v.x, v.y, v.z);
-                let (near, far) = slabs.pass(corner(bounds.lo), corner(bounds.hi));
-                let what = || format!("{bounds:?} from {} along {}", found.origin, found.direction);
-                assert!(near <= far && far >= 0.0, "{}: {near} to {far}", what());
-                assert!(near <= found.t, "{}: {near} to {far}, hit at {}", what(), found.t);
-            });
-        }
     }
 }

@@ -192,16 +192,8 @@ fn hits_count_before_the_end_of_a_ray() {
         let list = List::new(&scene.geometry(), Methods { triangle, ..Methods::default() }.tests());
         let endless = set.nearest::<L>(&list, None);
         let mut ended = 0;
-        for (end, counts) in [
-            (0.0, false),
-            (-1.0, false),
-            (f32::NAN, false),
-            (0.5, false),
-            (1.0 - f32::EPSILON, false),
-            (1.0, false),
-            (1.0 + f32::EPSILON, true),
-            (2.0, true),
-        ] {
+        let below = [0.0, -1.0, f32::NAN, 0.5, 1.0 - f32::EPSILON, 1.0].map(|end| (end, false));
+        for (end, counts) in below.into_iter().chain([(1.0 + f32::EPSILON, true), (2.0, true)]) {
             let t_max = endless.iter().map(|answer| match answer[1] {
                 MISS => 1.0,
                 _ => f32::from_bits(answer[0]) * end,

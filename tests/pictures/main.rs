@@ -25,7 +25,6 @@ mod peers;
 mod reference_laws;
 mod smooth;
 mod stability;
-mod stability_shading;
 mod stats;
 mod survey;
 mod texture_orientation;

@@ -23,7 +23,7 @@ fn square(side: u32) -> impl Iterator<Item = (f32, f32)> {
 
 /// Lambert's formula for a polygon seen from the origin: half the sum of the edges' angles, each along the
 /// normal of its plane.
-fn polygon_irradiance(corners: &[DVec3]) -> DVec3 {
+pub fn polygon_irradiance(corners: &[DVec3]) -> DVec3 {
     let edge = |i: usize| {
         let (a, b) = (corners[i].normalize(), corners[(i + 1) % corners.len()].normalize());
         let normal = a.cross(b);

@@ -72,6 +72,8 @@ fn first_between(context: &TraceContext, tracer: &mut Tracer, [from, to]: [glam:
     let rays = Rays::new(from.each_ref().map(|x| &x[..]), direction.each_ref().map(|x| &x[..]));
     let [mut t, mut u, mut v] = [[length]; 3];
     let mut hits = Hits { t: &mut t, primitive: &mut [MISS], u: &mut u, v: &mut v };
-    tracer.closest_one_by_one(&context.structure, &rays.until(&[length]), &mut hits);
+    tracer.without_counting(|tracer| {
+        tracer.closest_one_by_one(&context.structure, &rays.until(&[length]), &mut hits);
+    });
     hits.get(0)
 }

@@ -189,6 +189,14 @@ impl Tracer {
         self.counter = None;
     }
 
+    /// Runs queries whose tests are not counted.
+    pub fn without_counting<R>(&mut self, run: impl FnOnce(&mut Self) -> R) -> R {
+        let counter = self.counter.take();
+        let result = run(self);
+        self.counter = counter;
+        result
+    }
+
     /// Returns the tests since the last call, or since counting began; nothing where tests are not counted.
     pub fn take_counts(&mut self) -> Counts {
         self.counter.as_ref().map(Counter::take).unwrap_or_default()

@@ -55,7 +55,7 @@ impl List {
     }
 
     /// Returns the number of spheres.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.spheres.len()
     }
 

@@ -47,7 +47,7 @@ impl List {
     }
 
     /// Returns the number of triangles.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match &self.stored {
             Stored::Woop(stored) => stored.len(),
             Stored::MollerTrumbore(stored) => stored.len(),

@@ -139,7 +139,7 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
     for left in (0..width).step_by(MAX_PIXELS) {
         let count = MAX_PIXELS.min(width - left);
         pixel_centers(context, [left as u32, y], count, scratch);
-        closest_of_queue::<L>(context, None, scratch, 0..count, RayKind::Primary);
+        closest_of_queue(context, None, scratch, 0..count, RayKind::Primary);
         for at in (0..count).step_by(L::WIDTH) {
             for (plane, values) in aovs(context, scratch, at, count).into_iter().enumerate() {
                 values.store(&mut row[plane * stride + left + at..]);

@@ -267,7 +267,7 @@ impl Points {
                 return;
             }
             let kind = if followed == 0 { RayKind::Primary } else { RayKind::Bounce };
-            closest_of_queue::<L>(context, None, scratch, 0..count, kind);
+            closest_of_queue(context, None, scratch, 0..count, kind);
             let mut going_on = 0;
             for at in (0..count).step_by(L::WIDTH) {
                 let path = scratch.queue.path::<L>(at, columns);

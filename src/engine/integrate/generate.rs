@@ -29,7 +29,7 @@ pub fn generate<L: Lane>(
     scratch.pixels.begin(tile);
     camera_rays::<L>(context, sample, paths.clone(), scratch);
     scratch.observer.begin(Some(Stage::Trace));
-    closest_of_queue::<L>(context, visible, scratch, paths.clone(), RayKind::Primary);
+    closest_of_queue(context, visible, scratch, paths.clone(), RayKind::Primary);
     paths
 }
 

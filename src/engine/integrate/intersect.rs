@@ -38,7 +38,7 @@ pub fn intersect<L: Lane, const N: u32>(
     scratch: &mut Scratch,
     paths: Range<usize>,
 ) -> Intersected {
-    closest_of_queue::<L>(context, None, scratch, paths.clone(), RayKind::Bounce);
+    closest_of_queue(context, None, scratch, paths.clone(), RayKind::Bounce);
     if !ends_missed(N) {
         return Intersected::all(paths);
     }
@@ -81,7 +81,7 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, mask: L::Mask) -> Hit<L> {
 /// Finds the nearest hits of a range of the path queue, `visible` holding all primitives that the rays can
 /// hit, if that is known.
 #[inline(always)]
-pub fn closest_of_queue<L: Lane>(
+pub fn closest_of_queue(
     context: &TraceContext,
     visible: Option<&Candidates>,
     scratch: &mut Scratch,

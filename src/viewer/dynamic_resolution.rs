@@ -85,13 +85,4 @@ mod tests {
         resolution.adapt(None, Duration::ZERO, false);
         assert_eq!(resolution.scale, 1.0);
     }
-
-    #[test]
-    fn resolution_of_a_slow_picture_drops_at_a_resting_camera_too() {
-        let mut resolution = DynamicResolution::default();
-        (0..2).for_each(|_| resolution.adapt(Some(30), Duration::from_secs(2), true));
-        assert!(resolution.scale < 0.2, "{}", resolution.scale);
-        (0..2).for_each(|_| resolution.adapt(Some(30), Duration::from_secs(200), true));
-        assert_eq!(resolution.scale, MIN_RESOLUTION_SCALE, "no coarser, however slow");
-    }
 }

@@ -185,7 +185,7 @@ impl SceneBuilder {
         }
     }
     /// Loads the texture that the file `named_in` of a model names on a line, and returns its index; `None`
-    /// with a warning if it cannot be loaded. See [`Files::find`].
+    /// with a note if it cannot be loaded. See [`Files::find`].
     pub fn find_texture(
         &mut self,
         (name, line): &(String, usize),
@@ -194,10 +194,7 @@ impl SceneBuilder {
         texel_kind: TexelKind,
     ) -> Option<u32> {
         let found = self.textures.find(name, [named_in, model], Filter::Bilinear, texel_kind);
-        let place = named_in.display();
-        found
-            .map_err(|why| self.warn(format!("{place}:{line}: the texture `{name}` is left out: {why}.")))
-            .ok()
+        found.map_err(|why| self.notes.add(line, format!("the texture `{name}` is left out: {why}"))).ok()
     }
     /// Turns the notes about a file into warnings, with `separator` between the file's name and the place.
     pub fn warn_of_notes(&mut self, path: &Path, separator: &str) {

@@ -303,10 +303,9 @@ impl Entry {
             // A textured material without Kd shows its texture unchanged.
             _ => diffuse.unwrap_or(if color_map.is_some() { DVec3::ONE } else { DVec3::splat(0.8) }),
         };
-        let place = path.display();
         if color.max_element() > 1.0 {
-            let (line, name) = (self.line, &self.name);
-            builder.warn(format!("{place}:{line}: the colour of `{name}` is above 1 and was clamped to 1."));
+            let what = format!("the colour of `{}` is above 1 and was clamped to 1", self.name);
+            builder.notes.add(&self.line, what);
         }
         let mut load = |image: Option<&_>, texel_kind| {
             image.and_then(|image| builder.find_texture(image, path, obj, texel_kind))

@@ -86,8 +86,8 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     count + carries.count()
 }
 
-/// Returns the factor of the light's radiance: see [`ChosenLight::emission`]; of the environment, what its
-/// texture holds.
+/// Returns the light's radiance, or 1 where its hit decides: see [`ChosenLight::emission`]. The environment's
+/// comes from its texture.
 #[inline(always)]
 fn emission<L: Lane, const N: u32>(
     context: &TraceContext,
@@ -105,7 +105,7 @@ fn emission<L: Lane, const N: u32>(
     Vec3::select(seen, radiance, light.emission)
 }
 
-/// Returns the cones of rays that a lobe which is no delta lobe scatters; none where paths carry none.
+/// Returns the cones of rays that lobes other than delta lobes scatter; none where paths carry none.
 #[inline(always)]
 fn scattered_cones<L: Lane, const N: u32>(context: &TraceContext, at: &Scattering<L>) -> Cone<L> {
     match context.carries_cones::<N>() {

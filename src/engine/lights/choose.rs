@@ -152,8 +152,8 @@ pub(super) fn importance_everywhere(irradiance: f64) -> [f32; 8] {
     [0.0, 0.0, 0.0, MARK, 0.0, 0.0, 0.0, irradiance as f32]
 }
 
-/// Returns, from these rows, an estimate of the irradiance of a light at `point` on a
-/// surface with the normal `n`, nothing between them; above 0 where some of it is above the horizon.
+/// Returns an estimate, from these rows, of the irradiance of a light at `point` on a surface with the normal
+/// `n`, as if nothing were between them. It is above 0 where some of the light is above the horizon.
 ///
 /// Source of the bounds of cosines: A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with
 /// Adaptive Tree Splitting", HPG 2018, §4.
@@ -168,8 +168,8 @@ pub(super) fn irradiance<L: Lane>(
     let (to, normal) = (Vec3::new(x, y, z) - point, Vec3::new(nx, ny, nz));
     let distance2 = to.dot(to).max(radius * radius).max(L::splat(f32::MIN_POSITIVE));
     let per_distance = functions::approximate_rsqrt(distance2);
-    // The cosine of an angle that is smaller by that of the bounding sphere is at most greater by its
-    // sine.
+    // An angle that is smaller by that of the bounding sphere has a cosine that is greater by its sine at
+    // most.
     let sine = radius * per_distance;
     let cosine = to.dot(n).mul_add(per_distance, sine).max(L::zero()).min(L::one());
     let facing = (to.dot(normal).abs()).mul_add(per_distance, sine).min(L::one());

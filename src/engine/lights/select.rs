@@ -28,13 +28,10 @@ pub(super) struct Selection {
     pub lights: Vec<Light>,
     /// The power of all lights.
     pub total: f64,
-    /// The triangles that are halves of parallelograms.
+    /// See [`super::Lights`], as the fields below.
     pub halves: HashMap<usize, Half>,
-    /// The light that is the first piece of each triangle sampled in pieces; the others follow.
     pub first_pieces: HashMap<usize, u32>,
-    /// Pieces along an edge of such a triangle.
     pub pieces_side: usize,
-    /// See [`super::Lights::needs_hits`].
     pub needs_hits: bool,
 }
 

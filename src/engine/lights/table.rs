@@ -30,9 +30,11 @@ pub struct Lights {
     pub probabilities: Vec<f32>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
-    /// See [`Selection`].
+    /// The triangles that are halves of parallelograms.
     halves: HashMap<usize, Half>,
+    /// The light that is the first piece of each triangle sampled in pieces; the others follow.
     first_pieces: HashMap<usize, u32>,
+    /// Pieces along an edge of such a triangle.
     pub(super) pieces_side: usize,
     /// The two primitives that each light is, or twice the one; only where [`Lights::needs_hits`].
     primitives: Vec<u32>,
@@ -160,7 +162,8 @@ fn anything_scatters(scene: &Scene) -> bool {
     scene.materials.iter().any(|material| match material.kind {
         MaterialKind::Emitter | MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => false,
         MaterialKind::Metal { roughness } => roughness > 0.0,
-        _ => true,
+        MaterialKind::Diffuse | MaterialKind::FuzzyMirror { .. } => true,
+        MaterialKind::Plastic { .. } | MaterialKind::MetalRough { .. } => true,
     })
 }
 
@@ -196,8 +199,8 @@ impl LightRow {
     }
 }
 
-/// The lanes of each kind of light. It is taken apart by names alone, so that the compiler finds what a new
-/// kind lacks.
+/// The lanes of each kind of light. Code that differs by kind names every field, so that the compiler finds
+/// it when a kind is added.
 pub struct Kinds<L: Lane> {
     /// Lanes with spheres.
     pub sphere: L::Mask,
@@ -227,8 +230,8 @@ pub struct ChosenLight<L: Lane> {
     pub offset: L,
     /// The probability of choosing it by power.
     pub probability: L,
-    /// Its contribution counts so many times: 1 if it was chosen by power, else the probability by power over
-    /// that by irradiance.
+    /// Factor of its contribution: 1 if it was chosen by power, else the probability by power over that by
+    /// irradiance.
     pub weight: L,
 }
 

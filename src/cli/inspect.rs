@@ -123,7 +123,7 @@ fn warn_of_black(renderer: &mut Renderer, scene: &Loaded, settings: &Settings, v
     let &Settings { resolution: [width, height], max_bounces, .. } = settings;
     let shrink = ((width - 1).max(height - 1) / 240).max(1);
     let small = [width, height].map(|side| side.div_ceil(shrink));
-    renderer.set_view(scene, &scene.camera, small, max_bounces);
+    renderer.set_view(&scene.camera, small, max_bounces);
     let mut film = renderer.film();
     renderer.add_samples(&mut film, 1);
     let is_black = film.picture().pixels.iter().all(|pixel| *pixel == [0.0; 3]);

@@ -62,7 +62,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     for (index, (job, camera)) in jobs.into_iter().zip(cameras).enumerate() {
         if let (Some((scene, renderer)), Some(_)) = (&mut prepared, job.frame) {
             scene.camera = camera;
-            renderer.set_view(scene, &camera, settings.resolution, settings.max_bounces);
+            renderer.set_view(&camera, settings.resolution, settings.max_bounces);
             renderer.set_seed(job.seed(settings.seed));
         }
         interrupt::begin();

@@ -42,7 +42,7 @@ pub fn trace(
     let start = Instant::now();
     let (resumed_samples, resumed_rays) = (film.mean_samples(), film.rays());
     let deadline = limits.time.map(|time| start + time);
-    let mut pace = Pace { chunk: 1, seconds_a_pixel: 0.0 };
+    let mut pace = Pace { chunk: 1, seconds_a_pixel: 0.0, deadline };
     let mut goals = writer.as_mut().map(|writer| std::mem::take(&mut writer.goals)).unwrap_or_default();
     let end = loop {
         let Some(round) = next_round(film, limits, &goals) else {
@@ -51,7 +51,7 @@ pub fn trace(
         };
         progress.bar.set_length(round.forecast);
         let writer = writer.as_deref_mut();
-        let end = take_round(renderer, film, &round, &mut pace, deadline, writer, progress);
+        let end = take_round(renderer, film, &round, &mut pace, writer, progress);
         goals = round.goals;
         if let Some(end) = end {
             break end;
@@ -80,6 +80,8 @@ struct Pace {
     chunk: u32,
     /// Seconds per sample of a pixel; 0 before the first chunk.
     seconds_a_pixel: f64,
+    /// When sampling ends, if it has a time limit.
+    deadline: Option<Instant>,
 }
 
 /// Brings all tiles to their goals, chunk by chunk, so that no tile runs ahead. Returns why it stopped early,
@@ -89,7 +91,6 @@ fn take_round(
     film: &mut Film,
     round: &Round,
     pace: &mut Pace,
-    deadline: Option<Instant>,
     mut writer: Option<&mut CheckpointWriter>,
     progress: &Progress,
 ) -> Option<End> {
@@ -104,7 +105,7 @@ fn take_round(
         let mut chunk = pace.chunk.min(missing);
         let (began, least) = (Instant::now(), film.samples());
         let whole = least > 0;
-        if let Some(deadline) = deadline {
+        if let Some(deadline) = pace.deadline {
             let left = deadline.saturating_duration_since(began).as_secs_f64();
             let fitting = (left / (pixels as f64 * pace.seconds_a_pixel).max(1e-12)) as u32;
             // The first sample starts in any case: a part of the picture is more than none.
@@ -113,7 +114,7 @@ fn take_round(
             }
             chunk = chunk.min(fitting.max(1));
         }
-        let late = deadline.map(|deadline| if whole { deadline + GRACE } else { deadline });
+        let late = pace.deadline.map(|deadline| if whole { deadline + GRACE } else { deadline });
         let before = film.pixel_samples();
         let mut observer = Chunk { began, late, pause: None, progressed: AtomicBool::new(false), progress };
         // A resumed film may be uneven: where all tiles have one goal, those ahead wait for the others.

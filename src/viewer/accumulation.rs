@@ -98,7 +98,7 @@ impl Accumulation {
     /// Sets the renderer's camera, resolution and bounces, and clears the film if they changed. A resting
     /// camera has the requested seed; a moving one has a different seed in every frame, derived from the
     /// frame's number. Returns whether resolution or bounces changed, which makes history invalid.
-    pub fn set_pose(&mut self, renderer: &mut Renderer, scene: &Scene, pose: Pose) -> bool {
+    pub fn set_pose(&mut self, renderer: &mut Renderer, pose: Pose) -> bool {
         let before = std::mem::replace(&mut self.pose, pose);
         if pose == before {
             if !self.progressive {
@@ -108,7 +108,7 @@ impl Accumulation {
             }
             return false;
         }
-        renderer.set_view(scene, &pose.camera, pose.resolution, pose.bounces);
+        renderer.set_view(&pose.camera, pose.resolution, pose.bounces);
         let other = pose.bounces != before.bounces || pose.resolution != before.resolution;
         (self.pose_shown, self.progressive) = (false, other);
         self.pose_since = Instant::now();
@@ -191,7 +191,6 @@ mod tests {
     use octray_formats::scene::load;
 
     struct Test {
-        scene: Scene,
         renderer: Renderer,
         accumulation: Accumulation,
     }
@@ -201,13 +200,13 @@ mod tests {
             let scene = load("builtin:three").unwrap();
             let renderer = Renderer::new(&scene, Settings { resolution, seed: 5, ..Settings::of(&scene) });
             let accumulation = Accumulation::new(&renderer, &scene);
-            Self { scene, renderer, accumulation }
+            Self { renderer, accumulation }
         }
         /// Sets a pose in a frame of this number and adds two samples. Returns whether history is invalid,
         /// the seed, and the number of samples.
         fn go(&mut self, pose: Pose, frame: u64) -> (bool, u32, u32) {
             self.accumulation.summary.frames = frame;
-            let other = self.accumulation.set_pose(&mut self.renderer, &self.scene, pose);
+            let other = self.accumulation.set_pose(&mut self.renderer, pose);
             self.renderer.add_samples(&mut self.accumulation.film, 2);
             (other, self.renderer.settings().seed, self.accumulation.film.samples())
         }

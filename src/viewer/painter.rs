@@ -223,7 +223,7 @@ mod tests {
         fn go(&mut self, field: f32) {
             let mut pose = self.accumulation.pose;
             pose.camera.vertical_fov = field;
-            self.accumulation.set_pose(&mut self.renderer, &self.scene, pose);
+            self.accumulation.set_pose(&mut self.renderer, pose);
         }
         /// Adds samples and paints a frame.
         fn paint(&mut self, samples: u32) -> Vec<u32> {

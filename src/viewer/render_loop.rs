@@ -280,7 +280,7 @@ impl RenderLoop {
             resolution: self.state.controls.resolution(own, self.accumulation.resolution.scale),
             bounces: self.state.controls.bounces,
         };
-        if self.accumulation.set_pose(renderer, &self.scene, pose) {
+        if self.accumulation.set_pose(renderer, pose) {
             self.painter.reset_history();
         }
     }

@@ -22,7 +22,7 @@ impl Window {
         Self { scene, renderer, guides: Aovs::default(), seed: 0 }
     }
     fn look(&mut self, camera: Camera) {
-        self.renderer.set_view(&self.scene, &camera, SIZE, 4);
+        self.renderer.set_view(&camera, SIZE, 4);
         self.renderer.aovs_into(&mut self.guides);
     }
     /// The mean of so many samples of a seed of its own.

@@ -228,8 +228,8 @@ fn errors_of_naive_methods_are_many_times_those_of_the_default() {
     }
 }
 
-/// Shadowing by the factor of Chiang et al. loses 8 % of diffuse light at the median, and most of the light of
-/// many glossy lobes.
+/// Shadowing by the factor of Chiang et al. loses 8 % of diffuse light at the median, and most of the light
+/// of many glossy lobes.
 #[test]
 fn shading_normals_lose_light_unless_lobes_are_faded_or_mirrored() {
     let lost = |method| at("scattering-diffuse", method, 20.0).p50.unwrap();

@@ -112,7 +112,7 @@ fn a_camera_set_later_gives_the_bits_of_a_new_renderer() {
         other.camera.vertical_fov *= 0.8;
         let mut moved = Renderer::new(&scene, Settings { threads: 2, ..Settings::of(&scene) });
         moved.add_samples(&mut moved.film(), 2);
-        moved.set_view(&scene, &other.camera, SIZE, 3);
+        moved.set_view(&other.camera, SIZE, 3);
         let mut film = moved.film();
         moved.add_samples(&mut film, 1);
         film.clear();
@@ -124,7 +124,7 @@ fn a_camera_set_later_gives_the_bits_of_a_new_renderer() {
         assert_eq!(film.rays(), expected.rays());
         let (mut guides, expected) = (guides_of(&moved), guides_of(&new));
         assert_eq!(guides.pixel(30, 20), expected.pixel(30, 20));
-        moved.set_view(&scene, &scene.camera, [7, 5], 3);
+        moved.set_view(&scene.camera, [7, 5], 3);
         moved.aovs_into(&mut guides);
         assert_eq!(guides.resolution(), [7, 5]);
     }

@@ -30,17 +30,11 @@ const MAX_CULLING_TESTS: usize = 4_000_000;
 const MAX_CULLED_MOVING: usize = 256;
 
 /// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there
-/// are more primitives than `most` or than [`MAX_CULLING_TESTS`] allows.
-fn find_visible(
-    visible: &mut Vec<Candidates>,
-    geometry: &Geometry,
-    camera: &Pinhole,
-    settings: &Settings,
-    most: usize,
-) {
+/// are more primitives than [`MAX_CULLING_TESTS`] allows.
+fn find_visible(visible: &mut Vec<Candidates>, geometry: &Geometry, camera: &Pinhole, settings: &Settings) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
     let (primitives, count) = (geometry.len(), tiles().count());
-    let too_many = primitives > most || primitives * count > MAX_CULLING_TESTS;
+    let too_many = primitives * count > MAX_CULLING_TESTS;
     if !settings.methods.keep_to_their_primitives() || too_many {
         visible.clear();
         return;
@@ -98,6 +92,8 @@ impl RenderObserver for () {
 /// A scene prepared for rendering, and the threads that render it.
 pub struct Renderer {
     settings: Settings,
+    /// The geometry, where candidates are found again for every camera: see [`MAX_CULLED_MOVING`].
+    geometry: Option<Geometry>,
     context: TraceContext,
     features: Features,
     pipeline: Pipeline,
@@ -123,7 +119,7 @@ impl Renderer {
         let structure = settings.methods.structure(scene, &geometry, lanes, &lights);
         let mut visible = Vec::new();
         if structure.accepts_candidates() {
-            find_visible(&mut visible, &geometry, &camera, &settings, usize::MAX);
+            find_visible(&mut visible, &geometry, &camera, &settings);
         }
         let context = TraceContext {
             visible,
@@ -141,7 +137,9 @@ impl Renderer {
             PipelineChoice::General => Features::ALL,
         };
         let (features, pipeline) = pipeline_for(needs, lanes);
-        Self { settings, context, features, pipeline, threads: Threads::new(threads, Scratch::new) }
+        let is_kept = context.structure.accepts_candidates() && geometry.len() <= MAX_CULLED_MOVING;
+        let threads = Threads::new(threads, Scratch::new);
+        Self { settings, geometry: is_kept.then_some(geometry), context, features, pipeline, threads }
     }
     /// The settings of the rendering.
     pub fn settings(&self) -> &Settings {
@@ -157,21 +155,23 @@ impl Renderer {
         self.settings.max_bounces = max_bounces;
         self.context.max_bounces = max_bounces;
     }
-    /// Changes camera, resolution and number of bounces of a renderer that was made for `scene`. Earlier
-    /// films fit only where the resolution is the same.
+    /// Changes camera, resolution and number of bounces. Earlier films fit only where the
+    /// resolution is the same.
     ///
     /// # Panics
     /// If the resolution is outside its documented range.
-    pub fn set_view(&mut self, scene: &Scene, camera: &Camera, resolution: [u32; 2], max_bounces: u32) {
+    pub fn set_view(&mut self, camera: &Camera, resolution: [u32; 2], max_bounces: u32) {
         check_resolution(resolution);
         self.set_bounces(max_bounces);
         self.settings.resolution = resolution;
         let context = &mut self.context;
         context.camera = Pinhole::new(camera, resolution);
         context.width = resolution[0];
-        if context.structure.accepts_candidates() {
-            let geometry = scene.geometry();
-            find_visible(&mut context.visible, &geometry, &context.camera, &self.settings, MAX_CULLED_MOVING);
+        match &self.geometry {
+            Some(geometry) => {
+                find_visible(&mut context.visible, geometry, &context.camera, &self.settings);
+            }
+            None => context.visible.clear(),
         }
     }
     /// The camera, prepared.

@@ -111,24 +111,22 @@ impl TracePool {
         any_hit: bool,
     ) {
         self.each_chunk(set.len(), answers, |first, hits| {
-            self.trace_chunk(method, structures, set, first, hits, any_hit);
+            let rays = set.rays().range(first..first + hits.t.len());
+            self.trace_chunk(method, structures, &rays, hits, any_hit);
         });
     }
 
-    /// Traces the chunk that begins with ray `first`. `inline(never)`: `perf/stat.sh` selects this function
-    /// by name.
+    /// Traces some of the rays. `inline(never)`: `perf/stat.sh` selects this function by name.
     #[inline(never)]
     fn trace_chunk(
         &self,
         method: TraversalChoice,
         structures: &Accelerators,
-        set: &RaySet,
-        first: usize,
+        rays: &Rays,
         hits: &mut Hits,
         any_hit: bool,
     ) {
-        let range = first..first + hits.t.len();
-        structures.trace(method, &mut self.0.local(), &set.rays().range(range), hits, any_hit);
+        structures.trace(method, &mut self.0.local(), rays, hits, any_hit);
     }
 
     /// Calls `work` with all answers at once on one thread, or in chunks on more, and the number of the first

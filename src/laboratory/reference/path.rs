@@ -123,9 +123,7 @@ impl Reference {
             let ns = self.mapped_normal(material.normal_map, &surface, area).or(surface.ns);
             let normals = lobes::Normals::facing(direction, surface.ng, ns, surface.ns);
             // 4. Emission.
-            let emitter = material.kind == MaterialKind::Emitter;
-            let emission = self.lookup(material.emission_map, surface.uv, surface.wraps, area);
-            let emitted = throughput * material.emission.as_dvec3() * if emitter { texel } else { emission };
+            let emitted = throughput * self.emission(material, &surface, area);
             radiance += emitted;
             vertices.push(PathVertex {
                 primitive: Some(hit.primitive),
@@ -147,13 +145,10 @@ impl Reference {
                 break;
             };
             throughput *= weight;
-            if !lobes::is_glass(kind) {
-                cone_angle += 2.0 * surface.curvature.copysign(cosine) * length;
-            }
-            if !is_delta {
-                cone_angle += LOBE_ANGLE * lobes::width(kind, roughness);
-            }
-            cone_angle = cone_angle.clamp(-1.0, 1.0);
+            // Refraction at a sphere bends otherwise.
+            let bend = if lobes::is_glass(kind) { 0.0 } else { 2.0 * surface.curvature.copysign(cosine) };
+            let spread = if is_delta { 0.0 } else { LOBE_ANGLE * lobes::width(kind, roughness) };
+            cone_angle = (cone_angle + bend * length + spread).clamp(-1.0, 1.0);
             direction = scattered.normalize();
             vertices[b as usize].lobe = Some(lobe(is_delta, direction.dot(normals.ns_diffuse)));
             let side = 1.0_f64.copysign(direction.dot(normals.ng));
@@ -162,6 +157,13 @@ impl Reference {
             origin = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
         }
         vertices
+    }
+
+    /// Returns the emitted radiance.
+    fn emission(&self, material: &Material, surface: &Surface, area: f64) -> DVec3 {
+        let is_emitter = material.kind == MaterialKind::Emitter;
+        let map = if is_emitter { material.texture } else { material.emission_map };
+        material.emission.as_dvec3() * self.lookup(map, surface.uv, surface.wraps, area)
     }
 
     /// Returns the kind of material, and the factor of its roughness, that the roughness map gives.

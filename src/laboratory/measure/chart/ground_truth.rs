@@ -77,9 +77,9 @@ impl GroundTruthRenderer {
     }
 
     /// Starts again with another camera.
-    pub fn set_camera(&mut self, scene: &Scene, camera: &Camera, settings: &Settings) {
+    pub fn set_camera(&mut self, camera: &Camera, settings: &Settings) {
         for (renderer, film) in self.renderers.iter_mut().zip(&mut self.films) {
-            renderer.set_view(scene, camera, settings.resolution, settings.max_bounces);
+            renderer.set_view(camera, settings.resolution, settings.max_bounces);
             film.clear();
         }
     }

@@ -142,7 +142,7 @@ pub(crate) fn measure(
     let mut errors_of = |path_frames: &PathFrames| {
         let mut squares = [const { Vec::new() }; 3];
         for (camera, pictures) in &path_frames.compared {
-            truth_renderer.set_camera(scene, camera, &settings);
+            truth_renderer.set_camera(camera, &settings);
             let now = Instant::now();
             let share = end.saturating_duration_since(now) / left;
             left -= 1;
@@ -203,7 +203,7 @@ fn render_path(
         (0..COMPARED).map(|i| frames / 2 + (2 * i + 1) * frames / (4 * COMPARED)).collect();
     for frame in 0..frames {
         let camera = path.camera(&scene.camera, frame, speed);
-        renderer.set_view(scene, &camera, resolution, max_bounces);
+        renderer.set_view(&camera, resolution, max_bounces);
         renderer.set_seed(frame + 1);
         film.clear();
         let ((), frame_ms, load) = time_on_cores(renderer, || renderer.add_samples(&mut film, 1));

@@ -223,11 +223,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             spans[slot] = list(slot);
         }
         // Leaves first, as hits in them spare tests of the nodes' children.
-        if paired >= MIN_LONG && !(ANY && paired > MAX_LEAVES * count) {
-            self.triangles_then_hits::<ANY>(node, triangles, free, paired);
-        } else if paired > 0 {
-            self.triangles::<ANY>(node, triangles, free, paired);
-        }
+        self.triangle_leaves::<ANY>(node, triangles, free, [paired, count]);
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
             match node.children()[slot].kind() {
@@ -249,6 +245,23 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             let slot = order as usize & (WIDE - 1);
             let (child, (start, count)) = (node.children()[slot], spans[slot]);
             self.node::<ANY, ONE>(child.index(), start, count, top + CHUNK);
+        }
+    }
+
+    /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles of its slot, for the
+    /// `count` rays of a node.
+    #[inline(always)]
+    fn triangle_leaves<const ANY: bool>(
+        &mut self,
+        node: &WideNode,
+        reached: u32,
+        start: usize,
+        [paired, count]: [usize; 2],
+    ) {
+        if paired >= MIN_LONG && !(ANY && paired > MAX_LEAVES * count) {
+            self.triangles_then_hits::<ANY>(node, reached, start, paired);
+        } else if paired > 0 {
+            self.triangles::<ANY>(node, reached, start, paired);
         }
     }
 

@@ -251,4 +251,15 @@ mod tests {
         accumulation.progressive = false;
         assert!(hold(&mut accumulation, 500, 3) < 1.0, "the camera moves");
     }
+
+    #[test]
+    fn accumulation_stops_at_the_maximum_of_samples() {
+        // One pixel, so that it has all of its samples soon.
+        let Test { renderer, mut accumulation } = Test::new([1, 1]);
+        renderer.add_samples(&mut accumulation.film, MAX_SAMPLES - 1);
+        for _ in 0..2 {
+            accumulation.accumulate(&renderer, 1e9, &Exchange::default());
+            assert_eq!(accumulation.film.most_samples(), MAX_SAMPLES);
+        }
+    }
 }

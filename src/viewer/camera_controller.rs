@@ -254,4 +254,13 @@ mod tests {
         controller.advance(&held(&[Motion::Forward]), 1.0, 1.0);
         assert!((controller.camera().position.y - home().position.y).abs() < 1e-6);
     }
+
+    #[test]
+    fn field_of_view_stays_within_bounds() {
+        let mut controller = controller(home());
+        for (steps, bound) in [(-1_000.0, FOV_RANGE[1]), (1_000.0, FOV_RANGE[0])] {
+            controller.zoom_by(steps);
+            assert_eq!(controller.camera().vertical_fov, bound);
+        }
+    }
 }

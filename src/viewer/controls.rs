@@ -176,6 +176,13 @@ mod tests {
     #[test]
     fn bounds_hold() {
         let mut controls = controls();
+        let exposed = |controls: &mut Controls, exposure, stops| {
+            controls.tone.exposure = exposure;
+            controls.add_exposure(stops);
+            controls.tone.exposure
+        };
+        assert_eq!([19.75, 30.0].map(|from| exposed(&mut controls, from, 0.5)), [MAX_STOPS, 30.0]);
+        assert_eq!([-19.75, 30.0].map(|from| exposed(&mut controls, from, -0.5)), [-MAX_STOPS, 29.5]);
         (0..9).for_each(|_| controls.add_bounces(-1));
         assert_eq!(controls.bounces, 0);
         (0..99).for_each(|_| controls.add_scale(-1));

@@ -8,12 +8,10 @@
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput};
-use octray_engine::kernel::ray_sphere::SphereMethod;
-use octray_engine::kernel::ray_triangle::TriangleMethod;
 use octray_engine::lane::{Bits, F32x8, Lane};
 use octray_engine::sampling::{SampleValues, Sampler};
 use octray_laboratory::measure::kernel_set::{self as set, Found, RAYS, TESTS};
-use octray_laboratory::methods;
+use octray_laboratory::methods::{self, SphereMethod, TriangleMethod};
 use std::hint::black_box;
 use std::time::Duration;
 

@@ -4,15 +4,19 @@
 //! shadows, and from bounces. Before a way is timed, its hits are held against those of one scalar ray at a
 //! time, bit by bit.
 
-use criterion::{BenchmarkId, Criterion, Throughput};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
+use octray_engine::lane::NATIVE_WIDTH;
 use octray_engine::math::MISS;
-use octray_engine::rays::{Structure, Traversal};
+use octray_engine::rays::{Geometry, Structure, Tracer, Traversal};
 use octray_engine::render::TraversalChoice;
 use octray_formats::scene;
-use octray_laboratory::measure::ray_sets::{Answers, Kind, RaysWithHits};
+use octray_laboratory::measure::ray_sets::{Answers, Kind, RaySet, RaysWithHits};
 use octray_laboratory::measure::rays;
 use octray_laboratory::measure::trace::{Accelerators, TracePool};
+use octray_laboratory::methods::{self, MethodTests, TriangleMethod};
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Duration;
 
 const SCENE: &str = "builtin:knot:20000";
@@ -64,7 +68,36 @@ fn main() {
         }
         group.finish();
     }
+    for rays in sets.iter().filter(|rays| !rays.set.kind.any_hit()) {
+        let mut group = criterion.benchmark_group(format!("{}-by-triangle-method", rays.set.kind.name()));
+        group.throughput(Throughput::Elements(rays.set.len() as u64));
+        by_method::<methods::Woop>(&mut group, "woop", &geometry, &rays.set);
+        by_method::<methods::WoopContracted>(&mut group, "woop-contracted", &geometry, &rays.set);
+        by_method::<methods::MollerTrumbore>(&mut group, "moller-trumbore", &geometry, &rays.set);
+        by_method::<methods::BaldwinWeber>(&mut group, "baldwin-weber", &geometry, &rays.set);
+        by_method::<methods::Plucker>(&mut group, "plucker", &geometry, &rays.set);
+        group.finish();
+    }
     criterion.final_summary();
+}
+
+/// Times a triangle method in the same hierarchy as the others.
+fn by_method<T: TriangleMethod>(
+    group: &mut BenchmarkGroup<WallTime>,
+    name: &str,
+    geometry: &Geometry,
+    set: &RaySet,
+) {
+    let tests = Arc::new(MethodTests::<methods::Robust, T>::new(geometry));
+    let structure = Structure::tree_with(geometry, tests, NATIVE_WIDTH);
+    let mut tracer = Tracer::new();
+    group.bench_function(BenchmarkId::from_parameter(name), |bencher| {
+        bencher.iter(|| {
+            let mut answers = Answers::none(set);
+            tracer.improve::<false>(&structure, &set.rays(), &mut answers.hits());
+            answers
+        });
+    });
 }
 
 fn trace(

@@ -9,7 +9,8 @@ use crate::lane::WIDTHS;
 use crate::machine;
 use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
-use crate::render::{LaneChoice, Renderer, Settings};
+use crate::methods;
+use crate::render::{LaneChoice, Settings};
 use crate::report::baseline::{Baseline, over_rounds, text as over_baseline};
 use crate::report::bench::{
     Against, MeasuredScene, Report, doubt, heading, meaning, ratios, row, stats_of, summary,
@@ -290,7 +291,7 @@ fn program_report(program: &Path, scene: &OsStr, words: &str, frames: u32) -> Re
 
 /// Returns the milliseconds from `start` to the end of a first frame.
 fn first_frame(scene: &Scene, settings: Settings, start: Instant) -> f64 {
-    let renderer = Renderer::new(scene, settings);
+    let renderer = methods::renderer(scene, settings);
     renderer.add_samples(&mut renderer.film(), 1);
     start.elapsed().as_secs_f64() * 1e3
 }

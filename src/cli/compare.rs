@@ -9,7 +9,8 @@ use super::terminal::{self, Printer};
 use crate::lane::WIDTHS;
 use crate::machine;
 use crate::measure::compare::{BYTES_PER_PIXEL, compare};
-use crate::render::{Renderer, Settings};
+use crate::methods;
+use crate::render::Settings;
 use crate::report::compare::{FilmHash, HashReport, Report, doubt, hash_row, heading, meaning, row};
 use crate::report::settings::RunSettings;
 use crate::scene::{Loaded, builtin_names};
@@ -83,7 +84,7 @@ fn hash(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCo
     let mut report = HashReport::default();
     for spec in scenes {
         let (scene, settings) = options.load(&spec)?;
-        let renderer = Renderer::new(&scene, settings);
+        let renderer = methods::renderer(&scene, settings);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, options.samples);
         let scene = spec.to_string_lossy().into_owned();

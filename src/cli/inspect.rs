@@ -6,6 +6,7 @@ use super::options::{FrameOptions, SCENE};
 use super::scenes;
 use super::terminal::{self, Printer};
 use crate::diagnosis;
+use crate::methods;
 use crate::reference::{PathSettings, Reference};
 use crate::render::{Renderer, Settings};
 use crate::report::inspection::Inspection;
@@ -75,7 +76,6 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
 
 /// Prints a path.
 fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitCode, CliError> {
-    options.frame.check(0)?;
     let (sample, (scene, settings)) = (options.sample, options.frame.load(&options.scene, 0)?);
     let Settings { resolution, max_bounces, seed, methods, .. } = settings;
     let [right, bottom] = resolution.map(|side| side - 1);
@@ -86,7 +86,7 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
     }
     let of_reference = PathSettings { resolution, max_bounces, seed, sampler: methods.sampler };
     let mut f64 = Reference::new(&scene).vertices(of_reference, x, y, sample);
-    let mut renderer = Renderer::new(&scene, settings);
+    let mut renderer = methods::renderer(&scene, settings);
     let f32 = renderer.path([x, y], sample);
     if f32.last().is_some_and(|end| end.radiance == [0.0; 3]) {
         warn_of_black(&mut renderer, &scene, &settings, f32.len());

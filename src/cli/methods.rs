@@ -14,8 +14,8 @@ use std::process::ExitCode;
 /// List the methods that options choose among.
 ///
 /// Intersection methods, traversals, estimators, samplers, and what else has names, with a sentence each. The
-/// defaults have an asterisk. --sphere naive and --triangle moller-trumbore have no hierarchy: they test
-/// every primitive.
+/// defaults have an asterisk. With --sphere naive or --triangle moller-trumbore, every traversal but linear
+/// is stream, and it may miss what these methods hit outside of a primitive.
 #[derive(Debug, clap::Parser)]
 #[command(after_help = "Example:\n  octray methods --json")]
 pub struct Options {

@@ -2,7 +2,7 @@
 
 use super::error::{CliError, refuse};
 use super::numbers::{clamp, exposure, seed, size, threads, whole};
-use super::{memory, scenes, terminal};
+use super::{memory, scenes};
 use crate::choice::Choice;
 use crate::lane::WIDTHS;
 use crate::lights::LightChoice;
@@ -83,32 +83,6 @@ impl MethodArgs {
             sampler: self.sampler.or(view.sampler).unwrap_or_default(),
         }
     }
-
-    /// Refuses `--traversal` where one of `methods`, which a view may name, has no hierarchy.
-    pub fn check(self, methods: &Methods) -> Result<(), CliError> {
-        match (self.traversal, methods.without_hierarchy()) {
-            (Some(choice @ TraversalChoice::Through(_)), Some((option, method))) => {
-                let instead = format!(
-                    "{option} {method} has no hierarchy to traverse and tests every primitive: leave out one of \
-                     the two, or give --traversal linear"
-                );
-                Err(refuse("--traversal", choice.name(), instead))
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-/// Warns where a method costs this scene its hierarchy.
-pub fn warn_of_lost_hierarchy(methods: &Methods, scene: &Scene) {
-    let Some((option, method)) = methods.without_hierarchy() else { return };
-    let with = Methods { sphere: SphereChoice::default(), triangle: TriangleChoice::default(), ..*methods };
-    if with.traversal_of(scene, 1).is_some() {
-        let name = &scene.name;
-        terminal::warn(&format!(
-            "{option} {method} has no hierarchy: every primitive of {name} is tested for each ray."
-        ));
-    }
 }
 
 /// How the measured frames of scenes are made.
@@ -156,14 +130,12 @@ impl FrameOptions {
         run.sized(self.size, self.bounces, self.as_scene)
     }
 
-    /// Refuses a traversal that a method does not have, and frames that do not fit into memory.
+    /// Refuses frames that do not fit into memory.
     pub fn check(&self, bytes_per_pixel: usize) -> Result<(), CliError> {
-        self.methods.check(&self.methods())?;
         if self.as_scene { Ok(()) } else { memory::check(self.size, bytes_per_pixel) }
     }
 
-    /// Loads a scene for the reference, prints its warnings, checks the memory of its own size, and warns
-    /// where a method tests every primitive.
+    /// Loads a scene for the reference, prints its warnings, and checks the memory of its own size.
     pub fn load(&self, name: &OsStr, bytes_per_pixel: usize) -> Result<(Loaded, Settings), CliError> {
         let scene = scenes::load_with_warnings(name, true)?;
         let settings = self.checked(&scene, bytes_per_pixel)?;
@@ -176,7 +148,6 @@ impl FrameOptions {
         if self.as_scene {
             memory::check(settings.resolution, bytes_per_pixel)?;
         }
-        warn_of_lost_hierarchy(&settings.methods, scene);
         Ok(settings)
     }
 }

@@ -4,7 +4,6 @@ use super::checkpoint::CheckpointWriter;
 use super::error::{CliError, INTERRUPTED, refuse};
 use super::jobs::{Job, RenderOptions, jobs, keep_files, refuse_shard};
 use super::limits::Limits;
-use super::options::warn_of_lost_hierarchy;
 use super::outputs::is_same;
 use super::progress::Progress;
 use super::terminal::{self, Printer};
@@ -16,6 +15,7 @@ use crate::checkpoint::{self, Header, Identity, Shard};
 use crate::diagnosis;
 use crate::film::{Film, Picture};
 use crate::measure::stats::FrameStats;
+use crate::methods;
 use crate::output::{self, Format, OutputError};
 use crate::render::{Renderer, Settings};
 use crate::report::numbers::mrays_per_s;
@@ -45,8 +45,6 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     }
 
     let (settings, tone) = (options.picture.settings(&scene), options.picture.tone(&scene));
-    options.picture.methods.check(&settings.methods)?;
-    warn_of_lost_hierarchy(&settings.methods, &scene);
     let (run_settings, differing) = options.picture.run_settings(&scene);
     memory::check_film(settings.resolution, limits.target.is_some())?;
     let tiles = Tile::cover(settings.resolution, settings.tile_size).count();
@@ -54,7 +52,7 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
         let tiles = counted(tiles, "tile", "tiles");
         return Err(refuse_shard(shard, format!("the picture has {tiles}: give at most as many parts")));
     }
-    let renderer = Renderer::new(&scene, settings);
+    let renderer = methods::renderer(&scene, settings);
     interrupt::listen();
     let rendering = Rendering { options, limits, settings, tone, run_settings, differing };
     let mut prepared = Some((scene.scene, renderer));

@@ -6,6 +6,7 @@ use super::options::PictureOptions;
 use super::terminal::{self, Printer};
 use super::{memory, scenes};
 use crate::machine::{self, Machine};
+use crate::methods;
 use crate::render::Settings;
 use crate::report::numbers::figure;
 use crate::scene::{Loaded, builtin_names};
@@ -95,6 +96,7 @@ impl Options {
             tone: picture.tone(first),
             target: self.target_fps,
             methods: Box::new(move |scene| picture.methods(scene)),
+            renderer: methods::renderer,
             fits: Box::new(|size| memory::room_for(size, viewer::BYTES_PER_PIXEL)),
             frames: self.frames.map(u64::from),
             screenshots: self.screenshots.clone(),
@@ -186,7 +188,6 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         return Err(refuse_input(what, "name a scene, a model, a folder of them, or builtin:NAME"));
     }
     let first = scenes::load_with_warnings(name, false)?;
-    options.picture.methods.check(&options.picture.methods(&first))?;
     memory::check(options.picture.size.unwrap_or(first.resolution), viewer::BYTES_PER_PIXEL)?;
     let in_terminal = options.terminal || !cfg!(feature = "window");
     if in_terminal && !std::io::stdout().is_terminal() {

@@ -71,4 +71,4 @@ pub use geometry::{Geometry, Shape};
 pub use kind::Sphere;
 pub use math::MISS;
 pub use numbering::{Kind, KindCounts, KindRanges};
-pub use traverse::{Structure, Tracer, Traversal};
+pub use traverse::{PrimitiveTests, Structure, Tracer, Traversal};

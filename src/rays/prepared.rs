@@ -1,7 +1,7 @@
 //! Rays ready for boxes and triangles: what is computed once a ray or packet.
 
 use crate::kernel::ray_box::{BoxRay, Padding};
-use crate::kernel::ray_triangle::{TriangleMethod, Woop, WoopRay};
+use crate::kernel::ray_triangle::WoopRay;
 use crate::lane::{Lane, Native};
 use crate::math::{Ray, Vec3};
 
@@ -20,7 +20,7 @@ impl SingleRay {
     /// Prepares a ray.
     #[inline(always)]
     pub fn new(ray: Ray<f32>, padding: Padding) -> Self {
-        Self { ray, box_ray: BoxRay::new(&ray, padding), woop: Woop::precalculate(&ray) }
+        Self { ray, box_ray: BoxRay::new(&ray, padding), woop: WoopRay::new(&ray) }
     }
 }
 
@@ -39,7 +39,7 @@ impl<L: Lane> Packet<L> {
     /// Prepares a packet.
     #[inline(always)]
     pub fn new(ray: Ray<L>) -> Self {
-        let woop = Woop::precalculate(&ray);
+        let woop = WoopRay::new(&ray);
         Self { ray, axis: woop.common_axis(), woop, box_ray: None }
     }
 }

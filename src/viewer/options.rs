@@ -1,7 +1,7 @@
 //! Holds the options that the viewer starts with.
 
-use octray_engine::render::Methods;
-use octray_engine::render::{LaneChoice, PipelineChoice};
+use octray_engine::render::{LaneChoice, Methods, PipelineChoice, Renderer, Settings};
+use octray_engine::scene::Scene;
 use octray_engine::tone::Tone;
 use octray_formats::scene::Loaded;
 use std::path::PathBuf;
@@ -34,6 +34,8 @@ pub struct Options {
     pub target: Option<u32>,
     /// The methods requested on the command line, which may depend on the scene.
     pub methods: Box<dyn Fn(&Loaded) -> Methods + Send + Sync>,
+    /// Builds the renderer of a scene with these settings, whatever methods they name.
+    pub renderer: fn(&Scene, Settings) -> Renderer,
     /// Checks that memory suffices for a picture of this width and height; the error gives the reason if not.
     pub fits: Box<dyn Fn([u32; 2]) -> Result<(), String> + Send + Sync>,
     /// Ends after this many frames; `None` runs until the user quits.

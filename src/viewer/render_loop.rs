@@ -81,7 +81,7 @@ impl RenderLoop {
         exchange: Arc<Exchange>,
         wake: Wake,
     ) -> Summary {
-        let mut renderer = Renderer::new(&scene, state.controls.settings(&scene, &options));
+        let mut renderer = (options.renderer)(&scene, state.controls.settings(&scene, &options));
         let mut this = Self {
             loader: Loader::new(exchange.clone()),
             file_watcher: FileWatcher::default(),
@@ -268,7 +268,7 @@ impl RenderLoop {
             if pixels(&settings) > held {
                 (options.fits)(settings.resolution).map_err(|why| SceneError::unusable(why, &scene))?;
             }
-            Ok((scene.clone(), Renderer::new(&scene, settings)))
+            Ok((scene.clone(), (options.renderer)(&scene, settings)))
         });
     }
 

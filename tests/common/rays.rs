@@ -1,11 +1,12 @@
 //! Sets of rays, what every traversal finds for them, and what testing every primitive finds.
 
 use super::*;
-use octray::rays::{Candidates, kind::triangle::Layout};
-use octray::rays::{Hits, Rays};
-use octray::traverse::Tracer;
+use octray::methods::{MethodTests, Robust, Woop};
+use octray::rays::kind::triangle::Layout;
+use octray::rays::{Candidates, Hits, Rays, Structure, Tracer};
 use octray::traverse::stack::Stack;
 use octray::traverse::tile::{self, Packets};
+use std::sync::Arc;
 
 /// t, primitive, u and v of each ray, as bits.
 pub type Answers = Vec<[u32; 4]>;
@@ -60,16 +61,7 @@ impl Set {
         with_columns(self.t_max.clone(), self.primitive.clone(), BEFORE.map(weight), run)
     }
     pub fn through<const ANY: bool>(&self, hierarchy: &Hierarchy, traversal: Traversal) -> Answers {
-        self.through_by::<ANY>(&mut Tracer::new(), hierarchy, traversal)
-    }
-    /// By a tracer that may have traced other rays before.
-    fn through_by<const ANY: bool>(
-        &self,
-        tracer: &mut Tracer,
-        hierarchy: &Hierarchy,
-        traversal: Traversal,
-    ) -> Answers {
-        self.with_hits(|hits| tracer.trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
+        self.with_hits(|hits| Tracer::new().trace::<ANY>(traversal, hierarchy, &self.rays(), hits)).1
     }
     /// Are the first rays, a tile at most, ones for which there is a frustum?
     pub fn goes_in_a_frustum(&self, hierarchy: &Hierarchy) -> bool {
@@ -92,7 +84,14 @@ impl Set {
     /// What is nearest of every primitive, or of every one that is listed, before the rays end; whatever they
     /// have hit before.
     pub fn nearest<L: Lane>(&self, list: &List, listed: Option<&Candidates>) -> Answers {
-        let count = self.len().next_multiple_of(L::WIDTH);
+        self.nearest_by(L::WIDTH, |rays, hits| list.trace::<L>(rays, hits, listed, None))
+    }
+    /// What is nearest in a structure, before the rays end.
+    pub fn nearest_in(&self, structure: &Structure) -> Answers {
+        self.nearest_by(16, |rays, hits| Tracer::new().closest_in_scene(structure, rays, hits))
+    }
+    fn nearest_by(&self, lanes: usize, trace: impl FnOnce(&Rays, &mut Hits)) -> Answers {
+        let count = self.len().next_multiple_of(lanes);
         let padded = |column: &[f32]| -> Vec<f32> {
             let last = column.last().copied().into_iter().cycle();
             column.iter().copied().chain(last).take(count).collect()
@@ -104,16 +103,14 @@ impl Set {
         let rays = Rays::new(of_origin, of_direction).first(self.len()).until(&t_max);
         let weights = [(); 2].map(|()| vec![0.0; count]);
         // Whatever was there before is overwritten.
-        let mut answers = with_columns(vec![0.0; count], vec![7; count], weights, |hits| {
-            list.trace::<L>(&rays, hits, listed, None);
-        });
+        let mut answers = with_columns(vec![0.0; count], vec![7; count], weights, |hits| trace(&rays, hits));
         answers.1.truncate(self.len());
         answers.1
     }
     /// Every primitive tested in order: at any width the same, see `tests/laws/traversal_laws.rs`.
     pub fn linear(&self, scene: &Scene) -> Answers {
         let endless = Self { t_max: vec![f32::INFINITY; self.len()], ..self.clone() };
-        let nearest = endless.nearest::<F32x8>(&List::new(&scene.geometry(), Default::default()), None);
+        let nearest = endless.nearest::<F32x8>(&List::new(&scene.geometry()), None);
         let before = self.with_hits(|_| ()).1;
         let answer = |at: usize| {
             let [t, primitive, ..] = nearest[at];
@@ -126,34 +123,62 @@ impl Set {
         };
         (0..self.len()).map(answer).collect()
     }
-    /// Asserts that every traversal finds what testing everything finds, in both layouts of the leaves;
-    /// returns how many rays hit something.
+    /// Asserts that every traversal finds what testing everything finds, in both layouts of the leaves and
+    /// with the default methods as the caller's own tests; returns how many rays hit something.
     pub fn check(&self, scene: &Scene, what: &str) -> usize {
         let expected = self.linear(scene);
         for layout in [Layout::Full, Layout::Compact] {
             let hierarchy = Hierarchy::in_layout(&scene.geometry(), Trees::WideAndBinary, Some(layout));
             self.check_in(&hierarchy, &expected, &format!("{what}, {layout:?}"));
         }
+        let (geometry, mut tracer) = (scene.geometry(), Tracer::new());
+        let tests = Arc::new(MethodTests::<Robust, Woop>::new(&geometry));
+        for lanes in [1, NATIVE_WIDTH] {
+            for structure in [
+                Structure::list_with(&geometry, tests.clone(), lanes),
+                Structure::tree_with(&geometry, tests.clone(), lanes),
+            ] {
+                let by = |any: bool, hits: &mut Hits| match any {
+                    true => tracer.improve::<true>(&structure, &self.rays(), hits),
+                    false => tracer.improve::<false>(&structure, &self.rays(), hits),
+                };
+                self.check_by(by, &expected, &format!("{what}, the caller's tests, {lanes} lanes"));
+            }
+        }
         expected.iter().filter(|answer| answer[1] != MISS).count()
     }
     fn check_in(&self, hierarchy: &Hierarchy, expected: &Answers, what: &str) {
         let mut tracer = Tracer::new();
         for traversal in Traversal::ALL {
-            let name = TraversalChoice::Through(traversal).name();
-            let found = self.through_by::<false>(&mut tracer, hierarchy, traversal);
-            for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
-                let ray = self.rays().packet::<f32>(at);
-                let t_max = self.t_max[at];
-                assert_eq!(found, expected, "{what}, {name}: ray {at}, {ray:?} to {t_max}");
-            }
-            let found = self.through_by::<true>(&mut tracer, hierarchy, traversal);
-            for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
-                assert_eq!(found[1] == MISS, expected[1] == MISS, "{what}, any hit, {name}: ray {at}");
-                // Some hit, so none nearer than the nearest.
-                let [found, nearest] = [found, expected].map(|answer| f32::from_bits(answer[0]));
-                assert!(found >= nearest, "{what}, any hit, {name}: ray {at} at {found} before {nearest}");
-            }
+            let by = |any: bool, hits: &mut Hits| match any {
+                true => tracer.trace::<true>(traversal, hierarchy, &self.rays(), hits),
+                false => tracer.trace::<false>(traversal, hierarchy, &self.rays(), hits),
+            };
+            self.check_by(by, expected, &format!("{what}, {}", TraversalChoice::Through(traversal).name()));
         }
+    }
+    /// `trace` takes whether any hit will do.
+    fn check_by(&self, mut trace: impl FnMut(bool, &mut Hits), expected: &Answers, what: &str) {
+        let found = self.with_hits(|hits| trace(false, hits)).1;
+        for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
+            let ray = self.rays().packet::<f32>(at);
+            assert_eq!(found, expected, "{what}: ray {at}, {ray:?} to {}", self.t_max[at]);
+        }
+        let found = self.with_hits(|hits| trace(true, hits)).1;
+        for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
+            assert_eq!(found[1] == MISS, expected[1] == MISS, "{what}, any hit: ray {at}");
+            // Some hit, so none nearer than the nearest.
+            let [found, nearest] = [found, expected].map(|answer| f32::from_bits(answer[0]));
+            assert!(found >= nearest, "{what}, any hit: ray {at} at {found} before {nearest}");
+        }
+    }
+}
+
+/// The list of a scene's primitives for any methods.
+pub fn list_of(scene: &Scene, methods: Methods, lanes: usize) -> Structure {
+    match methods::tests(&methods, scene) {
+        None => Structure::list(&scene.geometry(), lanes),
+        Some(tests) => Structure::list_with(&scene.geometry(), tests, lanes),
     }
 }
 

@@ -28,6 +28,7 @@ pub fn options(size: [u32; 2], threads: usize, screenshots: &Path) -> Options {
         tone: Tone::default(),
         target: None,
         methods: Box::new(|_: &Loaded| Methods::default()),
+        renderer: octray::methods::renderer,
         fits: Box::new(|_| Ok(())),
         frames: None,
         screenshots: screenshots.into(),

@@ -195,7 +195,7 @@ struct Print {
 impl Print {
     /// Takes the samples in so many calls.
     fn of(scene: &Scene, settings: Settings, calls: &[u32]) -> Self {
-        let renderer = Renderer::new(scene, settings);
+        let renderer = methods::renderer(scene, settings);
         let mut film = renderer.film();
         calls.iter().for_each(|&samples| renderer.add_samples(&mut film, samples));
         assert_eq!(film.discarded(), 0, "{settings:?}");
@@ -406,9 +406,10 @@ fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
 #[test]
 fn picture_is_the_same_for_all_lanes_with_every_choice_of_methods() {
     let scene = everything();
-    for sphere in SphereChoice::ALL {
-        for triangle in TriangleChoice::ALL {
-            let methods = Methods { sphere, triangle, ..Methods::default() };
+    let of_triangle = |triangle| SphereChoice::ALL.map(|sphere| (sphere, triangle));
+    for traversal in [TraversalChoice::Linear, TraversalChoice::Through(Traversal::Hybrid)] {
+        for (sphere, triangle) in TriangleChoice::ALL.into_iter().flat_map(of_triangle) {
+            let methods = Methods { sphere, triangle, traversal, ..Methods::default() };
             let base = Settings { methods, ..base(&scene, [37, 23], 4) };
             let settings = Settings { lanes: 8, threads: 2, tile_size: [7, 3], ..base };
             assert_same(&scene, base, &[2], [settings]);

@@ -8,7 +8,7 @@
 use crate::common::*;
 use octray::bvh::Bounds;
 use octray::kernel::ray_box::{BoxRay, Padding, sphere_bounds, sphere_padding};
-use octray::kernel::ray_sphere::Robust;
+use octray::kernel::ray_sphere;
 use octray::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use octray::math::EPSILON;
 
@@ -71,7 +71,8 @@ fn each_hit(seed: u64, rays: usize, distances: (f64, f64), length: f64, mut chec
         let towards = across * sin - from_center / distance * ((1.0 - sin * sin).sqrt() * away);
         let direction = (towards * (1.0 + length)).as_vec3();
         let ray = ray(origin, direction);
-        let (hit, t) = Robust::test::<f32>(&ray, math::Vec3::splat(center), radius * radius, f32::INFINITY);
+        let (hit, t) =
+            ray_sphere::intersect::<f32>(&ray, math::Vec3::splat(center), radius * radius, f32::INFINITY);
         if hit {
             check(&Found { center, radius, origin, direction, t });
         }

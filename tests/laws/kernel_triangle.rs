@@ -4,7 +4,7 @@
 
 use crate::common::*;
 use glam::Vec3Swizzles;
-use octray::kernel::ray_triangle::{PairHit, TriangleHit};
+use octray::kernel::ray_triangle::{PairHit, TriangleHit, WoopRay, WoopTriangle};
 use octray::measure::stability::triangles::{intersect, reference_tuv, well_shaped};
 use octray::methods::{BaldwinWeber, MollerTrumbore, MollerTrumboreEpsilon, Plucker, Woop, WoopContracted};
 
@@ -149,9 +149,9 @@ fn fan(a: Vec3, rim: &[Vec3]) -> Vec<[Vec3; 3]> {
 #[test]
 fn neighbours_are_linked_in_pairs_where_the_second_continues_the_first() {
     let links = |triangles: &[[Vec3; 3]]| {
-        let mut stored: Vec<_> = triangles.iter().map(|&triangle| Woop::store(triangle)).collect();
-        Woop::link_pairs(&mut stored);
-        stored.iter().map(Woop::is_linked).collect::<Vec<_>>()
+        let mut stored: Vec<_> = triangles.iter().map(|&triangle| WoopTriangle::new(triangle)).collect();
+        WoopTriangle::link_pairs(&mut stored);
+        stored.iter().map(WoopTriangle::is_linked).collect::<Vec<_>>()
     };
     let [a, b, c, d, e] = std::array::from_fn(|i| vec3(i as f32, (i * i) as f32, 1.0));
     assert_eq!(links(&fan(a, &[b, c, d])), [true, false]);
@@ -183,14 +183,14 @@ fn pairs_give_the_bits_of_their_triangles_at_every_width() {
                 let target = targets[first + (lane + turn) % (8 - first)];
                 ray(origin, target - origin)
             });
-            let mut stored: Vec<_> = fan(a, &[b, c, d]).into_iter().map(Woop::store).collect();
-            Woop::link_pairs(&mut stored);
-            assert!(Woop::is_linked(&stored[0]));
-            let precalculated = Woop::precalculate(&Ray::<L>::from_lanes(&rays));
+            let mut stored: Vec<_> = fan(a, &[b, c, d]).into_iter().map(WoopTriangle::new).collect();
+            WoopTriangle::link_pairs(&mut stored);
+            assert!(stored[0].is_linked());
+            let woop = WoopRay::new(&Ray::<L>::from_lanes(&rays));
             let far = L::splat(f32::INFINITY);
-            let alone = [0, 1].map(|number| Woop::test(&precalculated, &stored[number], far));
-            let Some(PairHit { hit, is_second }) = Woop::test_pair(&precalculated, [&stored[0], &stored[1]])
-            else {
+            let alone =
+                [0, 1].map(|number| woop.test(&stored[number]).unwrap_or_else(|| TriangleHit::none(far)));
+            let Some(PairHit { hit, is_second }) = woop.test_pair([&stored[0], &stored[1]]) else {
                 undecided += 1;
                 continue;
             };

@@ -39,7 +39,7 @@ fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
     let context = TraceContext {
         buffers: Buffers::new(scene, |_| SampledAs::Nothing),
         lights: Lights::default(),
-        structure: Methods::default().structure(scene, &scene.geometry(), 8, &Lights::default()),
+        structure: Methods::default().structure(scene, &scene.geometry(), 8, &Lights::default(), None),
         camera: Pinhole::new(&scene.camera, [16, 16]),
         visible: Vec::new(),
         width: 16,

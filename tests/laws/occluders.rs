@@ -124,7 +124,7 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
 
 /// Returns the primitives that shadow rays to these lights are tested against, if not all.
 fn occluders(scene: &Scene, lights: &Lights) -> Option<Candidates> {
-    Methods::default().structure(scene, &scene.geometry(), 8, lights).occluders().cloned()
+    Methods::default().structure(scene, &scene.geometry(), 8, lights, None).occluders().cloned()
 }
 
 /// Indices of the spheres and triangles that can occlude a light; all if none is left out.

@@ -4,10 +4,9 @@
 //!
 //! The oracle is a loop of its own that calls the kernels at width 1. Seeds are fixed.
 
-use crate::common::rays::Set;
+use crate::common::rays::{Set, list_of};
 use crate::common::*;
-use octray::kernel::ray_sphere::{self};
-use octray::kernel::ray_triangle::{self};
+use octray::methods::{MollerTrumbore, Naive, Robust, Woop};
 use octray::rays::{Hits, Rays};
 use octray::rays::{Structure, Tracer};
 use octray::scene::Coordinates;
@@ -41,10 +40,6 @@ fn oracle<S: SphereMethod, T: TriangleMethod>(scene: &Scene, ray: &Ray<f32>) -> 
     answer
 }
 
-fn traversed<L: Lane>(scene: &Scene, methods: Methods, rays: &[Ray<f32>]) -> Vec<Answer> {
-    Set::of(rays).nearest::<L>(&List::new(&scene.geometry(), methods.tests()), None)
-}
-
 /// Asserts the law for one choice of equations; returns the answers.
 fn assert_law<S: SphereMethod, T: TriangleMethod>(
     scene: &Scene,
@@ -52,11 +47,8 @@ fn assert_law<S: SphereMethod, T: TriangleMethod>(
     rays: &[Ray<f32>],
 ) -> Vec<Answer> {
     let expected: Vec<Answer> = rays.iter().map(|ray| oracle::<S, T>(scene, ray)).collect();
-    for (width, answers) in [
-        (1, traversed::<f32>(scene, methods, rays)),
-        (8, traversed::<F32x8>(scene, methods, rays)),
-        (16, traversed::<F32x16>(scene, methods, rays)),
-    ] {
+    for width in [1, 8, 16] {
+        let answers = Set::of(rays).nearest_in(&list_of(scene, methods, width));
         assert_eq!(answers.len(), expected.len());
         for ((answer, expected), ray) in answers.iter().zip(&expected).zip(rays) {
             assert_eq!(answer, expected, "{methods:?}, width {width}, {ray:?}");
@@ -76,13 +68,13 @@ fn assert_law_of_all(scene: &Scene, rays: &[Ray<f32>]) -> Vec<Vec<Answer>> {
         let methods =
             |triangle| Methods { sphere, triangle, traversal: TraversalChoice::Linear, ..Methods::default() };
         vec![
-            assert_law::<S, ray_triangle::Woop>(scene, methods(Choice::Woop), rays),
-            assert_law::<S, ray_triangle::MollerTrumbore>(scene, methods(Choice::MollerTrumbore), rays),
+            assert_law::<S, Woop>(scene, methods(Choice::Woop), rays),
+            assert_law::<S, MollerTrumbore>(scene, methods(Choice::MollerTrumbore), rays),
         ]
     }
     [
-        of_sphere::<ray_sphere::Robust>(scene, SphereChoice::Robust, rays),
-        of_sphere::<ray_sphere::Naive>(scene, SphereChoice::Naive, rays),
+        of_sphere::<Robust>(scene, SphereChoice::Robust, rays),
+        of_sphere::<Naive>(scene, SphereChoice::Naive, rays),
     ]
     .concat()
 }
@@ -188,9 +180,9 @@ fn traversal_equals_every_primitive_one_by_one_for_directions_of_no_length() {
 /// A hit at t_max or behind it is none, and what lies behind a hit never takes its place.
 #[test]
 fn hits_count_before_the_end_of_a_ray() {
-    fn check<L: Lane>(scene: &Scene, set: &Set, triangle: TriangleChoice) -> usize {
-        let list = List::new(&scene.geometry(), Methods { triangle, ..Methods::default() }.tests());
-        let endless = set.nearest::<L>(&list, None);
+    fn check(scene: &Scene, set: &Set, triangle: TriangleChoice, lanes: usize) -> usize {
+        let list = list_of(scene, Methods { triangle, ..Methods::default() }, lanes);
+        let endless = set.nearest_in(&list);
         let mut ended = 0;
         let below = [0.0, -1.0, f32::NAN, 0.5, 1.0 - f32::EPSILON, 1.0].map(|end| (end, false));
         for (end, counts) in below.into_iter().chain([(1.0 + f32::EPSILON, true), (2.0, true)]) {
@@ -199,7 +191,7 @@ fn hits_count_before_the_end_of_a_ray() {
                 _ => f32::from_bits(answer[0]) * end,
             });
             let set = Set { t_max: t_max.collect(), ..set.clone() };
-            let answers = set.nearest::<L>(&list, None);
+            let answers = set.nearest_in(&list);
             for ((answer, endless), t_max) in answers.iter().zip(&endless).zip(&set.t_max) {
                 if endless[1] != MISS && counts {
                     assert_eq!(answer, endless);
@@ -216,11 +208,7 @@ fn hits_count_before_the_end_of_a_ray() {
         let scene = mixed(&mut rng, spheres, triangles);
         let set = Set::of(&rays(&mut rng, 400));
         for triangle in [TriangleChoice::Woop, TriangleChoice::MollerTrumbore] {
-            let ended = [
-                check::<f32>(&scene, &set, triangle),
-                check::<F32x8>(&scene, &set, triangle),
-                check::<F32x16>(&scene, &set, triangle),
-            ];
+            let ended = [1, 8, 16].map(|lanes| check(&scene, &set, triangle, lanes));
             assert!(ended[0] > 200 && ended == [ended[0]; 3], "{ended:?}");
         }
     }

@@ -53,7 +53,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
     {
         let camera = Camera { position, look_at: position + towards, up: vec3(0.1, 1.0, 0.2), vertical_fov };
         let scene = scene(seed, camera);
-        let list = List::new(&scene.geometry(), Default::default());
+        let list = List::new(&scene.geometry());
         let camera = Pinhole::new(&scene.camera, RESOLUTION);
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
@@ -119,7 +119,7 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     let rays = Set::of(&edges.into_iter().flatten().collect::<Vec<Ray<f32>>>());
     [specks, beside].map(|scene| {
         let visible = visible(&scene, &camera.view_frustum(corner, [TILE, TILE]));
-        let list = List::new(&scene.geometry(), Default::default());
+        let list = List::new(&scene.geometry());
         let trace = |visible: Option<&Candidates>| rays.nearest::<f32>(&list, visible);
         let everything = trace(None);
         assert_eq!(trace(Some(&visible)), everything, "{view:?}, tile at {corner:?}");
@@ -170,7 +170,7 @@ fn visible_is_not_used_where_equations_stray_from_their_primitives() {
     let hits = |sphere, tile_size| {
         let methods = Methods { sphere, ..Methods::default() };
         let settings = Settings { resolution: [32, 32], methods, tile_size, ..Settings::of(&scene) };
-        let mut hits = Renderer::new(&scene, settings).primary_hits(0);
+        let mut hits = methods::renderer(&scene, settings).primary_hits(0);
         hits.sort_by_key(|hit| (hit.y, hit.x));
         hits
     };

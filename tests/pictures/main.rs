@@ -6,7 +6,7 @@ extern crate self as octray;
 pub use octray_display as display;
 pub use octray_engine::*;
 pub use octray_formats::scene;
-pub use octray_laboratory::{measure, reference};
+pub use octray_laboratory::{measure, methods, reference};
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -190,12 +190,15 @@ fn bench_and_compare_exit_with_1_when_a_check_failed() {
 #[test]
 fn compare_counts_the_wrong_hits_of_a_naive_method_and_forgives_them() {
     let desk = Desk::new();
-    let wrong_hits = |methods| {
+    let wrong_hits = |methods: &str| {
         let report = desk.json(&format!("compare builtin:far --samples 1 {methods}"));
         number(&report["results"][0]["reference"]["mismatched_hits"])
     };
     assert_eq!(wrong_hits(""), 0.0);
-    assert!(wrong_hits("--sphere naive --triangle moller-trumbore") > 10_000.0);
+    let naive = "--sphere naive --triangle moller-trumbore";
+    assert!(wrong_hits(&format!("{naive} --traversal linear")) > 10_000.0);
+    // Hits outside of the boxes of their primitives are missed.
+    assert!((5_000.0..10_000.0).contains(&wrong_hits(naive)));
 }
 
 /// The command and `tests/films` agree on settings, on the bytes that are hashed, and on the table.

@@ -51,41 +51,18 @@ fn traversal(report: &Value) -> &Value {
 }
 
 #[test]
-fn methods_without_a_hierarchy_say_that_every_primitive_is_tested() {
+fn every_method_has_a_hierarchy() {
     let desk = Desk::new();
     for (command, more) in [("bench", "--frames=1"), ("compare", "--samples=1"), ("render", "--output=a.png")]
     {
         let line = format!("{command} builtin:knot:200 --size 8x8 {more}");
-        for (option, method) in [("--triangle", "moller-trumbore"), ("--sphere", "naive")] {
-            let line = format!("{line} {option} {method}");
-            let words = ["--traversal", "stream", option, method, "tests every primitive", "leave out"];
-            desk.refuses(&format!("{line} --traversal stream"), &words);
-            assert_eq!(traversal(&desk.json(&line)), "linear", "{command}");
-            let said = desk.warnings(&line);
-            assert_eq!(said.matches("every primitive of builtin:knot:200 is tested").count(), 1, "{said}");
+        for method in ["--triangle moller-trumbore", "--sphere naive"] {
+            let by = |more: &str| traversal(&desk.json(&format!("{line} {method} {more}"))).clone();
+            let [auto, single, linear] = ["", "--traversal single", "--traversal linear"].map(by);
+            assert_eq!([auto, single, linear], ["stream", "stream", "linear"], "{command} {method}");
         }
         assert_eq!(traversal(&desk.json(&line)), "hybrid", "{command}");
-        let asked = desk.warnings(&format!("{line} --traversal linear"));
-        assert!(!asked.contains("every primitive"), "{asked}");
     }
-    #[cfg(feature = "viewer")]
-    desk.refuses("view scene.json --sphere naive --traversal single", &["tests every primitive"]);
-}
-
-#[test]
-fn a_views_traversal_gives_way_to_a_method_and_one_on_the_command_line_does_not() {
-    let desk = Desk::new();
-    desk.write(
-        "view.json",
-        r#"{ "format": "octray-view-1", "scene": "builtin:knot:200", "resolution": [8, 8],
-             "render": { "triangle": "moller-trumbore", "traversal": "hybrid", "samples": 1 } }"#,
-    );
-    let line = "render view.json -o a.png";
-    assert!(desk.warnings(line).contains("every primitive of"));
-    assert_eq!(desk.json(line)["traversal"], "linear");
-    desk.refuses(&format!("{line} --traversal single"), &["--traversal single", "moller-trumbore"]);
-    let robust = desk.json(&format!("{line} --triangle woop --traversal single"));
-    assert_eq!(robust["traversal"], "single");
 }
 
 #[test]

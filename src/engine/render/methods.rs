@@ -5,10 +5,9 @@ use crate::choice::{Choice, choices, serde_by_name};
 use crate::lights::{LightChoice, Lights};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use octray_rays::kind::sphere::SphereTest;
-use octray_rays::kind::triangle::TriangleTest;
 use octray_rays::traverse::{MAX_LIST_COST, list_cost};
-use octray_rays::{Geometry, Structure, Traversal};
+use octray_rays::{Geometry, PrimitiveTests, Structure, Traversal};
+use std::sync::Arc;
 
 choices! {
     /// The ray–sphere intersection method: the default, and the textbook's for contrast.
@@ -59,8 +58,8 @@ pub enum TraversalChoice {
     Auto,
     /// Every primitive is tested.
     Linear,
-    /// Through a hierarchy. Only the default sphere and triangle methods have one; others test every
-    /// primitive.
+    /// Through a hierarchy. With a sphere or triangle method that is not robust, [`Traversal::Stream`]
+    /// stands for every traversal.
     Through(Traversal),
 }
 
@@ -130,42 +129,41 @@ impl Choice for TraversalChoice {
 serde_by_name!(TraversalChoice);
 
 impl Methods {
-    /// Builds the structure of a scene for packets of `lanes` rays. Shadow rays run to `lights`.
-    pub fn structure(&self, scene: &Scene, geometry: &Geometry, lanes: usize, lights: &Lights) -> Structure {
-        let structure = match self.traversal_of(scene, lanes) {
-            Some(traversal) => Structure::tree(geometry, traversal),
-            None => Structure::list(geometry, self.tests(), lanes),
+    /// Builds the structure of a scene for packets of `lanes` rays. Shadow rays run to `lights`. Without
+    /// `tests`, the robust methods test the primitives.
+    pub fn structure(
+        &self,
+        scene: &Scene,
+        geometry: &Geometry,
+        lanes: usize,
+        lights: &Lights,
+        tests: Option<Arc<dyn PrimitiveTests>>,
+    ) -> Structure {
+        let structure = match (self.traversal_of(scene, lanes), tests) {
+            (Some(traversal), None) => Structure::tree(geometry, traversal),
+            (None, None) => Structure::list(geometry, lanes),
+            (Some(_), Some(tests)) => Structure::tree_with(geometry, tests, lanes),
+            (None, Some(tests)) => Structure::list_with(geometry, tests, lanes),
         };
         // The sky lies behind all walls, and with vertex normals, rays start above the triangles.
         let has_targets = !lights.is_empty() && lights.sky.is_none() && scene.normals.is_empty();
-        if has_targets && self.keep_to_their_primitives() {
-            return structure.with_targets(geometry, |number| lights.probabilities[number] > 0.0);
+        match has_targets {
+            true => structure.with_targets(geometry, |number| lights.probabilities[number] > 0.0),
+            false => structure,
         }
-        structure
-    }
-    /// Returns the intersection methods of a list.
-    pub fn tests(&self) -> (SphereTest, TriangleTest) {
-        let sphere = match self.sphere {
-            SphereChoice::Robust => SphereTest::Robust,
-            SphereChoice::Naive => SphereTest::Naive,
-        };
-        let triangle = match self.triangle {
-            TriangleChoice::Woop => TriangleTest::Woop,
-            TriangleChoice::MollerTrumbore => TriangleTest::MollerTrumbore,
-        };
-        (sphere, triangle)
     }
     /// The traversal of a scene's hierarchy at a width of 1, or of 8 and more; `None` where every primitive
     /// is tested.
     pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {
-        if self.without_hierarchy().is_some() {
-            return None;
-        }
-        let default = if lanes == 1 { Traversal::Scalar } else { Traversal::Hybrid };
+        let default = match lanes {
+            _ if !self.are_robust() => Traversal::Stream,
+            1 => Traversal::Scalar,
+            _ => Traversal::Hybrid,
+        };
         match self.traversal {
             TraversalChoice::Linear => None,
             TraversalChoice::Auto => features_of(scene).contains(Features::HIERARCHY).then_some(default),
-            TraversalChoice::Through(_) if lanes == 1 => Some(default),
+            TraversalChoice::Through(_) if lanes == 1 || !self.are_robust() => Some(default),
             TraversalChoice::Through(traversal) => Some(traversal),
         }
     }
@@ -173,17 +171,10 @@ impl Methods {
     pub fn traversal_name(&self, scene: &Scene, lanes: usize) -> &'static str {
         self.traversal_of(scene, lanes).map_or(TraversalChoice::Linear, TraversalChoice::Through).name()
     }
-    /// The first method that has no hierarchy, so that every primitive is tested: its option and its name.
-    pub fn without_hierarchy(&self) -> Option<(&'static str, &'static str)> {
-        match (self.sphere, self.triangle) {
-            (SphereChoice::Naive, _) => Some(("--sphere", self.sphere.name())),
-            (_, TriangleChoice::MollerTrumbore) => Some(("--triangle", self.triangle.name())),
-            (SphereChoice::Robust, TriangleChoice::Woop) => None,
-        }
-    }
-    /// Do these methods claim hits only within rounding error of the primitive? The others do not: from a
-    /// distance, naive spheres are hit at several times their radius, and slivers far off their edges.
-    pub fn keep_to_their_primitives(&self) -> bool {
-        self.sphere != SphereChoice::Naive && self.triangle == TriangleChoice::Woop
+    /// Returns whether both intersection methods are the robust ones, which claim hits only within rounding
+    /// error of the primitive. The others do not: from a distance, naive spheres are hit at several times
+    /// their radius, and slivers far off their edges.
+    pub fn are_robust(&self) -> bool {
+        self.sphere == SphereChoice::Robust && self.triangle == TriangleChoice::Woop
     }
 }

@@ -17,10 +17,11 @@ use crate::lights::Lights;
 use crate::math::{Hit, MISS};
 use crate::path_vertex::PathVertex;
 use crate::rays::Candidates;
-use crate::rays::{Geometry, Kind};
+use crate::rays::{Geometry, Kind, PrimitiveTests};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Limit on primitives times tiles for which [`Candidates`] are found: some tens of milliseconds. With
 /// more, linear traversal is too slow to render with anyway.
@@ -34,8 +35,7 @@ const MAX_CULLED_MOVING: usize = 256;
 fn find_visible(visible: &mut Vec<Candidates>, geometry: &Geometry, camera: &Pinhole, settings: &Settings) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
     let (primitives, count) = (geometry.len(), tiles().count());
-    let too_many = primitives * count > MAX_CULLING_TESTS;
-    if !settings.methods.keep_to_their_primitives() || too_many {
+    if primitives * count > MAX_CULLING_TESTS {
         visible.clear();
         return;
     }
@@ -104,19 +104,34 @@ impl Renderer {
     /// Flattens the scene into buffers and starts the threads.
     ///
     /// # Panics
-    /// If the settings are outside their documented ranges, or the system refuses threads.
+    /// If the settings are outside their documented ranges, their intersection methods are not the robust
+    /// ones ([`Renderer::with_tests`]), or the system refuses threads.
     pub fn new(scene: &Scene, settings: Settings) -> Self {
+        Self::with_tests(scene, settings, None)
+    }
+    /// Returns [`Renderer::new`] with the tests of the settings' intersection methods, which are `None` for
+    /// the robust methods alone. The engine has no others: `octray_laboratory::methods::renderer` has.
+    ///
+    /// # Panics
+    /// As [`Renderer::new`]; and if there are tests although the methods are robust.
+    pub fn with_tests(scene: &Scene, settings: Settings, tests: Option<Arc<dyn PrimitiveTests>>) -> Self {
         let Settings { resolution, tile_size, lanes, threads, .. } = settings;
         check_resolution(resolution);
         let tile_pixels = tile_size[0] as usize * tile_size[1] as usize;
         assert!((1..=MAX_PIXELS).contains(&tile_pixels), "tile size {tile_size:?}");
         assert!(WIDTHS.contains(&lanes), "{lanes} lanes");
+        let are_given = tests.is_none() == settings.methods.are_robust();
+        assert!(
+            are_given,
+            "tests of primitives for {:?}: build the renderer by the laboratory",
+            settings.methods
+        );
         let camera = Pinhole::new(&scene.camera, resolution);
         let lights = Lights::new(scene, settings.methods.lights);
         let mut buffers = Buffers::new(scene, |number| lights.sampled_as(number));
         buffers.needs = buffers.needs.with(lights.needs()).with(features_of(scene));
         let geometry = scene.geometry();
-        let structure = settings.methods.structure(scene, &geometry, lanes, &lights);
+        let structure = settings.methods.structure(scene, &geometry, lanes, &lights, tests);
         let mut visible = Vec::new();
         if structure.accepts_candidates() {
             find_visible(&mut visible, &geometry, &camera, &settings);

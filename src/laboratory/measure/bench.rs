@@ -5,7 +5,8 @@ use super::quantiles::Quantiles;
 use super::stats::FrameStats;
 use super::timed::{Ratio, TimedRenderer, Times};
 use crate::buffers::Features;
-use crate::render::{PipelineChoice, Renderer, Settings};
+use crate::methods;
+use crate::render::{PipelineChoice, Settings};
 use crate::scene::Scene;
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -115,7 +116,7 @@ pub fn bench(
 ) -> Vec<Vec<Measurement>> {
     let timed = |settings: Settings, engines: &[Engine]| -> Vec<TimedRenderer> {
         let of = |&Engine { lanes, threads }: &Engine| Settings { lanes, threads, ..settings };
-        engines.iter().map(|engine| TimedRenderer::new(Renderer::new(scene, of(engine)))).collect()
+        engines.iter().map(|engine| TimedRenderer::new(methods::renderer(scene, of(engine)))).collect()
     };
     let mut runs: Vec<_> =
         configurations.iter().map(|(settings, engines)| timed(*settings, engines)).collect();
@@ -243,7 +244,7 @@ mod tests {
     fn measurement_gives_the_median_the_1_percent_low_and_the_spread_of_its_frames() {
         let scene = octray_formats::scene::load("builtin:three").unwrap();
         let settings = Settings { resolution: [8, 8], lanes: 8, ..Settings::of(&scene) };
-        let mut timed = TimedRenderer::new(Renderer::new(&scene, settings));
+        let mut timed = TimedRenderer::new(methods::renderer(&scene, settings));
         timed.turn(1, TURN);
         timed.times = Times::known(&(1..=100).map(f64::from).collect::<Vec<_>>());
         let found = measurement(&scene, &timed, [None; 4], None);

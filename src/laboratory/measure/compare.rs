@@ -5,6 +5,7 @@ use super::timed::{Ratio, TimedRenderer, Times};
 use crate::film::{Film, Picture};
 use crate::lane::WIDTHS;
 use crate::lights::LightChoice;
+use crate::methods;
 use crate::reference::{PathSettings, Reference, Verdict};
 use crate::render::{LaneChoice, Methods, PrimaryHit, Renderer, Settings};
 use crate::scene::Scene;
@@ -43,7 +44,7 @@ impl Comparison {
     /// Tests whether a check failed. Pixels must not differ, no sample be discarded, and no primary hit be
     /// wrong unless a chosen method does not promise it.
     pub fn failed(&self, methods: Methods) -> bool {
-        let wrong_hits = self.reference.mismatched_hits > 0 && methods.keep_to_their_primitives();
+        let wrong_hits = self.reference.mismatched_hits > 0 && methods.are_robust();
         self.mismatched_pixels > 0 || self.discarded_samples > 0 || wrong_hits
     }
 }
@@ -101,7 +102,7 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32, timed: bool) -> 
     let of = |lanes| Settings { lanes, ..settings };
     let default = LaneChoice::Auto.lanes();
     let [mut simd, mut scalar] =
-        [default, 1].map(|lanes| TimedRenderer::new(Renderer::new(scene, of(lanes))));
+        [default, 1].map(|lanes| TimedRenderer::new(methods::renderer(scene, of(lanes))));
     let start = Instant::now();
     for _ in 0..samples {
         simd.turn(1, Duration::ZERO);
@@ -146,7 +147,7 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32, timed: bool) -> 
 }
 
 fn rendered(scene: &Scene, settings: Settings, samples: u32) -> Film {
-    let renderer = Renderer::new(scene, settings);
+    let renderer = methods::renderer(scene, settings);
     let mut film = renderer.film();
     renderer.add_samples(&mut film, samples);
     film

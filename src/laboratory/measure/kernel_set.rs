@@ -5,11 +5,11 @@
 //! nothing: hits equal those of double precision.
 
 use crate::kernel::ray_box::Padding;
-use crate::kernel::ray_sphere::SphereMethod;
-use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane, Mask};
 use crate::math::{Ray, Vec3};
 use crate::methods::BoxMethod;
+use crate::methods::SphereMethod;
+use crate::methods::TriangleMethod;
 use glam::Vec3 as Point;
 
 /// Rays: 64 packets of eight.

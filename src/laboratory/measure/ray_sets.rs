@@ -133,7 +133,7 @@ impl RaySet {
         self.t_max.is_empty()
     }
     /// Returns the view that traversals read.
-    pub(crate) fn rays(&self) -> Rays<'_> {
+    pub fn rays(&self) -> Rays<'_> {
         let (origin, direction) = (self.origin.each_ref(), self.direction.each_ref());
         Rays::new(origin.map(Vec::as_slice), direction.map(Vec::as_slice)).until(&self.t_max)
     }
@@ -193,7 +193,7 @@ impl Answers {
         Self { t: set.t_max.clone(), primitive: vec![MISS; set.len()], u: zeros(), v: zeros() }
     }
     /// Returns the view that traversals write.
-    pub(crate) fn hits(&mut self) -> Hits<'_> {
+    pub fn hits(&mut self) -> Hits<'_> {
         Hits { t: &mut self.t, primitive: &mut self.primitive, u: &mut self.u, v: &mut self.v }
     }
     /// Returns the hit of ray `at`.

@@ -37,7 +37,7 @@ pub struct Accelerators {
 impl Accelerators {
     /// Builds a list of the primitives, beside their hierarchy ([`Structure::tree_for_all`]).
     pub fn new(geometry: &Geometry, tree: Structure) -> Self {
-        Self { tree, list: Structure::list(geometry, Default::default(), NATIVE_WIDTH) }
+        Self { tree, list: Structure::list(geometry, NATIVE_WIDTH) }
     }
 
     /// Updates the hits of all rays: the closest hit, or any hit. Without a hierarchy, every primitive is

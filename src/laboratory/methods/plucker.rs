@@ -1,6 +1,7 @@
 //! Plücker coordinates: signed volumes of the edges.
 
-use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
+use super::triangle::TriangleMethod;
+use crate::kernel::ray_triangle::TriangleHit;
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 

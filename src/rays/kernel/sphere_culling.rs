@@ -1,4 +1,4 @@
-//! Culling of spheres: a conservative test, cheaper than that of [`super::ray_sphere::Robust`].
+//! Culling of spheres: a conservative test, cheaper than that of [`super::ray_sphere`].
 
 use super::ray_sphere::may_hit;
 use crate::lane::Lane;
@@ -44,7 +44,7 @@ impl CulledSphere {
 /// e = (|c|² − r²) + |o|² − 2 o · c, so that both take eight operations with what is known of the ray and of
 /// the sphere; the exact test takes twenty.
 ///
-/// Domain: that of [`super::ray_sphere::Robust`], directions of unit length within 1e-5.
+/// Domain: that of [`super::ray_sphere`], directions of unit length within 1e-5.
 /// Bounds: with ε = 2⁻²⁴ and S = |o| + |c|, the rounding of e is at most 10 ε (S² + r²), that of b 10 ε S, so
 /// that of b² − e at most 32 ε (S² + r²). The exact test finds a discriminant that is at most 16 ε (S² + r²)
 /// too large. With S² ≤ 2 (|o|² + |c|²) a margin of 128 ε (|o|² + |c|² + r²) covers both. Where rounding

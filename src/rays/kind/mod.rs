@@ -25,12 +25,7 @@ pub(crate) fn inclusive(t: f32) -> f32 {
 
 /// Keeps hits that are nearer, or as near and of a lower number. Returns whether any lane's hit was kept.
 #[inline(always)]
-pub(crate) fn keep_if_nearer<L: Lane>(
-    mask: L::Mask,
-    primitive: u32,
-    [t, u, v]: [L; 3],
-    hit: &mut Hit<L>,
-) -> bool {
+pub fn keep_if_nearer<L: Lane>(mask: L::Mask, primitive: u32, [t, u, v]: [L; 3], hit: &mut Hit<L>) -> bool {
     // MISS is the largest number: plus one it is 0, below every other, so that a hit at t_max itself is none.
     let (number, one) = (L::Bits::splat(primitive), L::Bits::splat(1));
     let lower = number.wrapping_add(one).less(hit.primitive.wrapping_add(one));

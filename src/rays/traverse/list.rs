@@ -10,9 +10,7 @@ use crate::candidates::Candidates;
 use crate::columns::{Hits, Rays};
 use crate::coordinates::Coordinates;
 use crate::geometry::Geometry;
-use crate::kind::sphere::{self, SphereTest};
-use crate::kind::triangle::{self, TriangleTest};
-use crate::kind::{Kind, KindCounts};
+use crate::kind::{Kind, KindCounts, sphere, triangle};
 use crate::lane::Lane;
 
 /// All primitives, in the order of their numbers.
@@ -24,12 +22,12 @@ pub struct List {
 }
 
 impl List {
-    /// Stores all primitives for these intersection methods.
-    pub fn new(geometry: &Geometry, (sphere, triangle): (SphereTest, TriangleTest)) -> Self {
+    /// Stores all primitives.
+    pub fn new(geometry: &Geometry) -> Self {
         let triangles = (geometry.counts().first(Kind::Triangle), geometry.triangles.as_slice());
         Self {
-            spheres: sphere::List::new(&geometry.spheres, sphere),
-            triangles: triangle::List::new(triangles, triangle, geometry.padding()),
+            spheres: sphere::List::new(&geometry.spheres),
+            triangles: triangle::List::new(triangles, geometry.padding()),
             coordinates: geometry.coordinates,
         }
     }

@@ -7,6 +7,7 @@
 //! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
+//! | `custom` | either, by the caller's own tests of primitives |
 //!
 //! A [`Structure`] holds the list or the hierarchy, and a [`Tracer`] answers queries by it. Traversals share
 //! [`hierarchy`] (nodes and leaves), [`stack`], and [`counter`], which counts the tests.
@@ -15,6 +16,7 @@
 //! nearest t wins, and the lower number on a tie.
 
 pub mod counter;
+mod custom;
 pub mod frustum;
 pub mod hierarchy;
 mod list;
@@ -27,6 +29,7 @@ mod structure;
 pub mod tile;
 mod tracer;
 
+pub use custom::PrimitiveTests;
 pub use list::List;
 pub use structure::{MAX_LIST_COST, Structure, TRIANGLE_COST, list_cost};
 pub use tracer::{Tracer, Traversal};

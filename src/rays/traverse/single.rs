@@ -15,7 +15,7 @@ use crate::prepared::{SingleRay, splat_box_ray};
 /// A ray in all lanes, and the rows of a node's planes in the order in which the ray meets them:
 /// chosen once a ray by the direction's signs, where [`BoxRay::pass`] selects for each box.
 #[derive(Clone, Copy)]
-struct NodeRay {
+pub(super) struct NodeRay {
     box_ray: BoxRay<Native>,
     first: [usize; 3],
     second: [usize; 3],
@@ -23,19 +23,19 @@ struct NodeRay {
 
 impl NodeRay {
     #[inline(always)]
-    fn new(ray: &SingleRay) -> Self {
-        let Vec3 { x, y, z } = ray.box_ray.inverse;
+    pub fn new(box_ray: &BoxRay<f32>) -> Self {
+        let Vec3 { x, y, z } = box_ray.inverse;
         let backwards = [x, y, z].map(|inverse| usize::from(inverse < 0.0));
         Self {
-            box_ray: splat_box_ray(&ray.box_ray),
+            box_ray: splat_box_ray(box_ray),
             first: std::array::from_fn(|axis| axis + 3 * backwards[axis]),
             second: std::array::from_fn(|axis| axis + 3 * (1 - backwards[axis])),
         }
     }
 
-    /// The entry distances into the node's boxes, and which of them the ray passes before `t_max`.
+    /// Returns the entry distances into the node's boxes, and which of them the ray passes before `t_max`.
     #[inline(always)]
-    fn pass(&self, node: &WideNode, t_max: f32) -> (Native, NativeMask) {
+    pub fn pass(&self, node: &WideNode, t_max: f32) -> (Native, NativeMask) {
         let planes = node.planes();
         let rows = |[x, y, z]: [usize; 3]| {
             Vec3::new(Native::load(&planes[x]), Native::load(&planes[y]), Native::load(&planes[z]))
@@ -57,7 +57,7 @@ pub fn trace<const ANY: bool>(
     hit: &mut Hit<f32>,
     counter: impl CounterSink,
 ) {
-    let box_ray = NodeRay::new(ray);
+    let box_ray = NodeRay::new(&ray.box_ray);
     let mut len = 0;
     let mut next = Child(0);
     loop {

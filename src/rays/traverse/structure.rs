@@ -1,16 +1,15 @@
 //! The structure that answers queries about primitives: a list of all, or a hierarchy.
 
+use super::custom::{Custom, PrimitiveTests};
 use super::hierarchy::Hierarchy;
 use super::list::List;
 use super::occluders::Occluders;
 use super::tracer::Traversal;
-use crate::bvh::Trees;
 use crate::bvh::check::{Statistics, check_geometry};
+use crate::bvh::{Bvh, Trees};
 use crate::candidates::Candidates;
 use crate::coordinates::Coordinates;
 use crate::geometry::Geometry;
-use crate::kind::sphere::SphereTest;
-use crate::kind::triangle::TriangleTest;
 use crate::lane::NATIVE_WIDTH;
 use std::sync::Arc;
 
@@ -33,7 +32,7 @@ pub struct Structure {
     pub(super) primitives: Primitives,
     /// The primitives that shadow rays are tested against, if not all.
     pub(super) occluders: Option<Arc<Occluders>>,
-    /// The width of a list's packets.
+    /// The width of packets in a list, and in tests of the caller.
     pub(super) lanes: usize,
 }
 
@@ -42,27 +41,39 @@ pub struct Structure {
 pub(super) enum Primitives {
     List(Arc<List>),
     Tree(Arc<Hierarchy>, Traversal),
+    Custom(Arc<Custom>),
 }
 
 impl Structure {
     /// Builds a list of few primitives, or the hierarchy of many: the structure that answers sooner.
     pub fn new(geometry: &Geometry) -> Self {
         if list_cost(geometry.spheres.len(), geometry.triangles.len()) <= MAX_LIST_COST {
-            Self::list(geometry, Default::default(), NATIVE_WIDTH)
+            Self::list(geometry, NATIVE_WIDTH)
         } else {
             Self::tree(geometry, Traversal::default())
         }
     }
 
     /// Builds a list whose packets have `lanes` rays: 1, 8 or 16.
-    pub fn list(geometry: &Geometry, tests: (SphereTest, TriangleTest), lanes: usize) -> Self {
-        let primitives = Primitives::List(Arc::new(List::new(geometry, tests)));
-        Self { primitives, occluders: None, lanes }
+    pub fn list(geometry: &Geometry, lanes: usize) -> Self {
+        Self::new_with(Primitives::List(Arc::new(List::new(geometry))), lanes)
+    }
+
+    /// Builds a list whose primitives `tests` tests, in packets of `lanes` rays.
+    pub fn list_with(geometry: &Geometry, tests: Arc<dyn PrimitiveTests>, lanes: usize) -> Self {
+        Self::new_with(Primitives::Custom(Arc::new(Custom::list(geometry, tests))), lanes)
     }
 
     /// Builds a hierarchy.
     pub fn tree(geometry: &Geometry, traversal: Traversal) -> Self {
         Self::from_hierarchy(Hierarchy::new(geometry, traversal.trees()), traversal)
+    }
+
+    /// Builds a hierarchy whose primitives `tests` tests, in packets of `lanes` rays. It has a traversal of
+    /// its own. Where a test finds a hit outside of the primitive's box, the result may differ from that of
+    /// [`Structure::list_with`].
+    pub fn tree_with(geometry: &Geometry, tests: Arc<dyn PrimitiveTests>, lanes: usize) -> Self {
+        Self::new_with(Primitives::Custom(Arc::new(Custom::tree(geometry, tests))), lanes)
     }
 
     /// Builds a hierarchy that every traversal can read: see [`Structure::with_traversal`].
@@ -71,11 +82,15 @@ impl Structure {
     }
 
     fn from_hierarchy(hierarchy: Hierarchy, traversal: Traversal) -> Self {
-        let primitives = Primitives::Tree(Arc::new(hierarchy), traversal);
-        Self { primitives, occluders: None, lanes: traversal.lanes() }
+        Self::new_with(Primitives::Tree(Arc::new(hierarchy), traversal), traversal.lanes())
     }
 
-    /// Returns a structure that reads the same hierarchy by another traversal; a list stays a list.
+    fn new_with(primitives: Primitives, lanes: usize) -> Self {
+        Self { primitives, occluders: None, lanes }
+    }
+
+    /// Returns a structure that reads the same hierarchy by another traversal. A list stays a list, and
+    /// the caller's tests keep their traversal.
     pub fn with_traversal(&self, traversal: Traversal) -> Self {
         let mut other = self.clone();
         if let Primitives::Tree(_, of_other) = &mut other.primitives {
@@ -87,11 +102,12 @@ impl Structure {
     /// Finds the primitives that can lie between a surface and a target, if not all can: then
     /// [`super::Tracer::occluded`] tests no others. All rays that it is asked about must run from a surface
     /// of the geometry, or from as far above it as spawned rays start, to a point of a primitive for which
-    /// `is_target(number)` is true.
+    /// `is_target(number)` is true. The caller's tests always test all.
     pub fn with_targets(mut self, geometry: &Geometry, is_target: impl Fn(usize) -> bool) -> Self {
         let hierarchy = match &self.primitives {
             Primitives::Tree(hierarchy, traversal) => Some((&**hierarchy, traversal.trees())),
             Primitives::List(_) => None,
+            Primitives::Custom(_) => return self,
         };
         self.occluders = Occluders::find(geometry, is_target, hierarchy).map(Arc::new);
         self
@@ -114,6 +130,7 @@ impl Structure {
         match &self.primitives {
             Primitives::List(_) => None,
             Primitives::Tree(hierarchy, _) => Some(check_geometry(&hierarchy.bvh, geometry)),
+            Primitives::Custom(custom) => custom.bvh().map(|bvh| check_geometry(bvh, geometry)),
         }
     }
 
@@ -122,6 +139,7 @@ impl Structure {
         match &self.primitives {
             Primitives::List(list) => list.coordinates,
             Primitives::Tree(hierarchy, _) => hierarchy.coordinates,
+            Primitives::Custom(custom) => custom.coordinates,
         }
     }
 
@@ -130,6 +148,7 @@ impl Structure {
         match &self.primitives {
             Primitives::List(_) => 0,
             Primitives::Tree(hierarchy, _) => hierarchy.bytes(),
+            Primitives::Custom(custom) => custom.bvh().map_or(0, Bvh::bytes),
         }
     }
 }

@@ -121,6 +121,10 @@ impl Tracer {
                 hits.reset(rays);
                 memory.trace::<false>(*traversal, tree, rays, hits, counter.as_ref());
             }
+            Primitives::Custom(custom) => {
+                hits.reset(rays);
+                custom.trace(false, structure.lanes, rays, hits, counter.as_ref());
+            }
         }
     }
 
@@ -137,6 +141,10 @@ impl Tracer {
                 hits.reset(rays);
                 memory.trace::<true>(*traversal, occluders.unwrap_or(all), rays, hits, counter.as_ref());
             }
+            Primitives::Custom(custom) => {
+                hits.reset(rays);
+                custom.trace(true, structure.lanes, rays, hits, counter.as_ref());
+            }
         }
     }
 
@@ -151,6 +159,10 @@ impl Tracer {
                 hits.reset(rays);
                 memory.trace::<false>(single, tree, rays, hits, counter.as_ref());
             }
+            Primitives::Custom(custom) => {
+                hits.reset(rays);
+                custom.trace(false, 1, rays, hits, counter.as_ref());
+            }
         }
     }
 
@@ -164,6 +176,7 @@ impl Tracer {
             Primitives::Tree(tree, traversal) => {
                 memory.trace::<ANY>(*traversal, tree, rays, hits, counter.as_ref());
             }
+            Primitives::Custom(custom) => custom.trace(ANY, structure.lanes, rays, hits, counter.as_ref()),
         }
     }
 

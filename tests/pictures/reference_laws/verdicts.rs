@@ -2,7 +2,7 @@
 //! sabotaged.
 
 use super::scenes::empty;
-use crate::common::rays::Set;
+use crate::common::rays::{Set, list_of};
 use crate::common::*;
 use octray::reference::Verdict;
 
@@ -16,8 +16,8 @@ fn scale(rng: &mut Rng, low: f64, high: f64) -> f32 {
 
 /// What the engine's equations find nearest, in a direction of unit length.
 fn nearest(scene: &Scene, sphere: SphereChoice, origin: Vec3, d: Vec3) -> [u32; 4] {
-    let list = List::new(&scene.geometry(), Methods { sphere, ..Methods::default() }.tests());
-    Set::of(&[ray(origin, d)]).nearest::<f32>(&list, None)[0]
+    let list = list_of(scene, Methods { sphere, ..Methods::default() }, 1);
+    Set::of(&[ray(origin, d)]).nearest_in(&list)[0]
 }
 
 /// The nearest hit of everything: what a kernel under test answers.

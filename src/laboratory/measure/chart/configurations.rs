@@ -6,6 +6,7 @@
 use crate::buffers::Features;
 use crate::lane::WIDTHS;
 use crate::lights::LightChoice;
+use crate::methods;
 use crate::render::{PipelineChoice, Renderer, Settings, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
@@ -33,19 +34,19 @@ impl Configuration {
     /// Tests whether its intersection methods are the robust ones. A picture's error hardly shows it, so a
     /// configuration that is faster and not robust does not count as better.
     pub(crate) fn is_robust(&self) -> bool {
-        self.settings.methods.keep_to_their_primitives()
+        self.settings.methods.are_robust()
     }
     /// Returns a renderer of the scene with these settings but this resolution and number of threads.
     pub(crate) fn renderer(&self, scene: &Scene, resolution: [u32; 2], threads: usize) -> Renderer {
         let settings = Settings { resolution, threads, ..self.settings };
         if !self.levels_of_detail {
-            return Renderer::new(scene, settings);
+            return methods::renderer(scene, settings);
         }
         let mut scene = scene.clone();
         for texture in scene.textures.iter_mut().filter(|texture| texture.filter == Filter::Bilinear) {
             texture.filter = Filter::Trilinear;
         }
-        Renderer::new(&scene, settings)
+        methods::renderer(&scene, settings)
     }
 }
 

@@ -1,8 +1,6 @@
 //! The intersection methods alone: time of a test, and error and failures on difficult inputs.
 
 use super::clock::{self, Clock, Times};
-use crate::kernel::ray_sphere::SphereMethod;
-use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{Lane, NATIVE_WIDTH, Native};
 use crate::measure::cores::Reliability;
 use crate::measure::kernel_set::{self as set, Found};
@@ -10,6 +8,8 @@ use crate::measure::quantiles::Rounds;
 use crate::measure::stability::methods::{Method, box_methods, sphere_methods, triangle_methods};
 use crate::measure::stability::{Effort, test_case};
 use crate::methods::BoxMethod;
+use crate::methods::SphereMethod;
+use crate::methods::TriangleMethod;
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};

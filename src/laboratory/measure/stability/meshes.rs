@@ -8,9 +8,9 @@ use super::rays::towards;
 use super::rng::Rng;
 use super::test_case::{FailureCounts, TestCase, trials};
 use super::triangles::{WOOP, mean};
-use crate::kernel::ray_triangle::TriangleMethod;
 use crate::lane::{F32x8, Lane, Mask};
 use crate::math::Ray;
+use crate::methods::TriangleMethod;
 use glam::{DVec3, Vec3};
 use std::sync::LazyLock;
 

@@ -45,7 +45,7 @@ pub const MEANINGS: [(&str, &str); 15] = [
 ];
 
 /// The array of [`Method`]s with this function for every
-/// [`SphereMethod`](crate::kernel::ray_sphere::SphereMethod).
+/// [`SphereMethod`](crate::methods::SphereMethod).
 macro_rules! sphere_methods {
     ($run:ident) => {
         $crate::measure::stability::methods::list!($run;
@@ -53,7 +53,7 @@ macro_rules! sphere_methods {
     };
 }
 
-/// Variant of `sphere_methods!` for every [`TriangleMethod`](crate::kernel::ray_triangle::TriangleMethod).
+/// Variant of `sphere_methods!` for every [`TriangleMethod`](crate::methods::TriangleMethod).
 macro_rules! triangle_methods {
     ($run:ident) => {
         $crate::measure::stability::methods::list!($run;

@@ -5,9 +5,10 @@ use super::rng::Rng;
 use super::scenes::{empty, put_box};
 use super::test_case::{Bound, EPSILON, FailureCounts, TestCase, compare};
 use crate::integrate::RENORMALIZATION_INTERVAL;
-use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod, Woop, WoopTriangle};
+use crate::kernel::ray_triangle::{TriangleHit, WoopTriangle};
 use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math::{Ray, Vec3};
+use crate::methods::{TriangleMethod, Woop};
 use glam::DVec3;
 
 pub(super) fn test_cases() -> Vec<TestCase> {

@@ -6,9 +6,9 @@ use super::rng::Rng;
 use super::spawn::{SpawnMethod, common};
 use super::test_case::{Bound, FailureCounts, TestCase, trials};
 use super::triangles::{self, mean};
-use crate::kernel::ray_triangle::Woop;
 use crate::kernel::surface::{inset, triangle_normal, triangle_offset};
 use crate::math;
+use crate::methods::Woop;
 use glam::{DMat3, DVec3, Vec3};
 
 pub(super) fn test_cases() -> Vec<TestCase> {

@@ -5,10 +5,10 @@ use super::rng::Rng;
 use super::spheres::{Ball, reference_t};
 use super::test_case::{Bound, FailureCounts, TestCase, compare};
 use super::triangles;
-use crate::kernel::ray_triangle::Woop;
 use crate::lane::WIDTHS;
 use crate::math::MISS;
-use crate::render::{Methods, PrimaryHit, Renderer, Settings, SphereChoice, TraversalChoice};
+use crate::methods::{self, Woop};
+use crate::render::{Methods, PrimaryHit, Settings, SphereChoice, TraversalChoice};
 use crate::scene::{Camera, Material, MaterialKind, Scene, Side, Sky, Sphere, Triangle};
 use crate::traverse::Traversal;
 use glam::{DQuat, DVec3, Vec3};
@@ -65,7 +65,7 @@ pub fn triangle(vertices: [Vec3; 3]) -> Triangle {
 
 /// Returns the scene's camera rays and their hits.
 pub fn seen(scene: &Scene, methods: Methods, lanes: usize) -> Vec<PrimaryHit> {
-    Renderer::new(scene, Settings { methods, lanes, ..Settings::of(scene) }).primary_hits(0)
+    methods::renderer(scene, Settings { methods, lanes, ..Settings::of(scene) }).primary_hits(0)
 }
 
 /// Share of a ball's radius within which rays may pass its silhouette on either side: a few ε of the 1,000

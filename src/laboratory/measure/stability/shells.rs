@@ -9,9 +9,9 @@ use super::rng::Rng;
 use super::spawn::{ARRIVING, SPAWN_METHODS, SpawnMethod, common, spawned};
 use super::spheres::{Ball, intersect};
 use super::test_case::{Bound, FailureCounts, TestCase, trials};
-use crate::kernel::ray_sphere::Robust;
 use crate::kernel::surface::{sphere_offset, sphere_surface};
 use crate::math::{self, Ray};
+use crate::methods::Robust;
 use glam::Vec3;
 
 pub(super) fn test_cases() -> Vec<TestCase> {

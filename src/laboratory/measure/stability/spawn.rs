@@ -8,9 +8,9 @@ use super::rays::{ray, towards};
 use super::rng::Rng;
 use super::test_case::{FailureCounts, TestCase, trials};
 use super::triangles;
-use crate::kernel::ray_triangle::Woop;
 use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math;
+use crate::methods::Woop;
 use crate::sampling::warp::sample_cosine_hemisphere;
 use glam::Vec3;
 

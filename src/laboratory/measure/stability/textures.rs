@@ -4,10 +4,10 @@ use super::rays::towards;
 use super::rng::Rng;
 use super::spheres::{Ball, intersect};
 use super::test_case::{Bound, EPSILON, FailureCounts, TestCase, compare};
-use crate::kernel::ray_sphere::Robust;
 use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_surface};
 use crate::kernel::texture::Grid;
 use crate::math::Vec3;
+use crate::methods::Robust;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 

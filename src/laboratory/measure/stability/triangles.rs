@@ -6,8 +6,9 @@ use super::methods::triangle_methods;
 use super::rays::{ray, to_f64, towards};
 use super::rng::Rng;
 use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, trials};
-use crate::kernel::ray_triangle::{TriangleHit, TriangleMethod};
+use crate::kernel::ray_triangle::TriangleHit;
 use crate::math::Ray;
+use crate::methods::TriangleMethod;
 use glam::{DVec3, Vec3};
 
 pub(super) const WOOP: &str = "Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013";

@@ -1,7 +1,7 @@
 //! Rays against the spheres of a leaf.
 
 use super::Sphere;
-use crate::kernel::ray_sphere::{Robust, SphereMethod};
+use crate::kernel::ray_sphere;
 use crate::kind::{LEAF, Leaf, inclusive, keep_if_nearer};
 use crate::lane::{Lane, Mask, Native};
 use crate::math::{Hit, Ray, Vec3};
@@ -46,7 +46,7 @@ impl SphereLeaf {
         let center = Vec3::new(Native::load(x), Native::load(y), Native::load(z));
         let radius2 = Native::load(&self.radius2);
         let limit = Native::splat(inclusive(hit.t));
-        let (mask, t) = Robust::test(&Robust::precalculate(&ray), center, radius2, limit);
+        let (mask, t) = ray_sphere::intersect(&ray, center, radius2, limit);
         for lane in mask.lanes() {
             keep_if_nearer(true, self.primitives.primitives[lane], [t.get(lane), 0.0, 0.0], hit);
         }
@@ -57,11 +57,10 @@ impl SphereLeaf {
     #[inline(always)]
     pub fn intersect_packet<L: Lane>(&self, ray: &Ray<L>, hit: &mut Hit<L>) -> bool {
         let mut closer = false;
-        let precalculated = Robust::precalculate(ray);
         for (lane, &primitive) in self.primitives.primitives().iter().enumerate() {
             let (center, radius2) = self.sphere::<L>(lane);
             let infinite = L::splat(f32::INFINITY);
-            let (mask, t) = Robust::test::<L>(&precalculated, center, radius2, infinite);
+            let (mask, t) = ray_sphere::intersect(ray, center, radius2, infinite);
             closer |= keep_if_nearer(mask, primitive, [t, L::zero(), L::zero()], hit);
         }
         closer

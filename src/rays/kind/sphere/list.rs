@@ -2,20 +2,10 @@
 
 use super::Sphere;
 use crate::columns::{Hits, Rays};
-use crate::kernel::ray_sphere::{Naive, Robust, SphereMethod};
+use crate::kernel::ray_sphere::QuadraticEquation;
 use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{MISS, Vec3};
-
-/// A ray–sphere intersection method of the list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum SphereTest {
-    /// [`Robust`]: the default.
-    #[default]
-    Robust,
-    /// [`Naive`]: the textbook's, for contrast.
-    Naive,
-}
+use crate::math::{MISS, Ray, Vec3};
 
 /// From this many spheres on, those that no ray of a packet may hit are culled first. Culling costs about
 /// half a test. Packets always compute the root, so culling pays sooner than for single rays, which skip it
@@ -29,7 +19,6 @@ const CHUNK: usize = 64;
 
 /// All spheres, in the order of their numbers.
 pub struct List {
-    test: SphereTest,
     spheres: Vec<Row>,
     culled_spheres: Vec<CulledSphere>,
 }
@@ -43,12 +32,11 @@ struct Row {
 }
 
 impl List {
-    /// Stores all spheres for an intersection method.
-    pub fn new(spheres: &[Sphere], test: SphereTest) -> Self {
+    /// Stores all spheres.
+    pub fn new(spheres: &[Sphere]) -> Self {
         let row = |&Sphere { center, radius }: &Sphere| Row { center, radius2: radius * radius };
         let culled = |&Sphere { center, radius }: &Sphere| CulledSphere::new(center, radius);
         Self {
-            test,
             spheres: spheres.iter().map(row).collect(),
             culled_spheres: spheres.iter().map(culled).collect(),
         }
@@ -61,16 +49,9 @@ impl List {
 
     /// Finds the nearest hit of each ray among all spheres or those `listed`; overwrites the hits.
     pub fn trace<L: Lane>(&self, rays: &Rays, hits: &mut Hits, listed: Option<&[u32]>) {
-        match self.test {
-            SphereTest::Robust => self.trace_listed::<L, Robust>(rays, hits, listed),
-            SphereTest::Naive => self.trace_listed::<L, Naive>(rays, hits, listed),
-        }
-    }
-
-    fn trace_listed<L: Lane, S: SphereMethod>(&self, rays: &Rays, hits: &mut Hits, listed: Option<&[u32]>) {
         match listed {
-            None => self.trace_spheres::<L, S>(self.len(), |at| at, rays, hits),
-            Some(listed) => self.trace_spheres::<L, S>(listed.len(), |at| listed[at] as usize, rays, hits),
+            None => self.trace_spheres::<L>(self.len(), |at| at, rays, hits),
+            Some(listed) => self.trace_spheres::<L>(listed.len(), |at| listed[at] as usize, rays, hits),
         }
     }
 
@@ -79,18 +60,18 @@ impl List {
     ///
     /// Shapes: packets of `WIDTH` rays; one sphere at a time is broadcast to all lanes.
     #[inline(never)]
-    fn trace_spheres<L: Lane, S: SphereMethod>(
+    fn trace_spheres<L: Lane>(
         &self,
         count: usize,
         number: impl Fn(usize) -> usize,
         rays: &Rays,
         hits: &mut Hits,
     ) {
-        let are_culled = S::MAY_CULL && count >= min_culled_spheres(L::WIDTH);
+        let are_culled = count >= min_culled_spheres(L::WIDTH);
         for at in (0..rays.len()).step_by(L::WIDTH) {
             let ray = rays.packet::<L>(at);
             let (t, primitive) = (rays.t_max(at), L::Bits::splat(MISS));
-            let mut tests = SphereTests::<L, S> { ray: S::precalculate(&ray), t, primitive };
+            let mut tests = SphereTests { ray, t, primitive };
             if are_culled {
                 let culling = SphereCulling::new(&ray);
                 for first in (0..count).step_by(CHUNK) {
@@ -115,23 +96,24 @@ impl List {
 }
 
 /// The tests of a packet against spheres in turn.
-struct SphereTests<L: Lane, S: SphereMethod> {
-    ray: S::Precalculated<L>,
+struct SphereTests<L: Lane> {
+    ray: Ray<L>,
     /// The nearest hits so far: t, and the index of the primitive.
     t: L,
     primitive: L::Bits,
 }
 
-impl<L: Lane, S: SphereMethod> SphereTests<L, S> {
+impl<L: Lane> SphereTests<L> {
     #[inline(always)]
     fn test(&mut self, number: u32, sphere: &Row) {
-        let (meets, equation) = S::equation(&self.ray, Vec3::splat(sphere.center), L::splat(sphere.radius2));
+        let (center, radius2) = (Vec3::splat(sphere.center), L::splat(sphere.radius2));
+        let (may_hit, equation) = QuadraticEquation::new(&self.ray, center, radius2);
         // Only of a single ray the rest of the test is skipped. Whether any ray of a packet meets a sphere is
         // often predicted wrong, which costs more than a square root and a division.
-        if L::WIDTH == 1 && !meets.any() {
+        if L::WIDTH == 1 && !may_hit.any() {
             return;
         }
-        let (nearer, t) = S::solve(&self.ray, (meets, equation), self.t);
+        let (nearer, t) = equation.solve(may_hit, self.t);
         self.t = L::select(nearer, t, self.t);
         self.primitive = L::Bits::select(nearer, L::Bits::splat(number), self.primitive);
     }

@@ -4,7 +4,7 @@ mod leaf;
 mod list;
 
 pub use leaf::SphereLeaf;
-pub use list::{List, SphereTest};
+pub use list::List;
 
 use crate::kernel::ray_box::sphere_bounds;
 use crate::kernel::surface::{sphere_offset, sphere_surface};

@@ -7,7 +7,7 @@ mod list;
 pub(crate) use compact::MIN_LEAVES_PER_THREAD;
 pub use compact::{Layout, TriangleLeaves};
 pub use leaf::{TriangleLeaf, box_of, intersect_one};
-pub use list::{List, TriangleTest};
+pub use list::List;
 
 use crate::kernel::surface::triangle_normal;
 use crate::math::Vec3;

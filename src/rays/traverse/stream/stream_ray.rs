@@ -2,7 +2,7 @@
 
 use crate::columns::Hits;
 use crate::kernel::ray_box::{BoxRay, Padding};
-use crate::kernel::ray_triangle::{StoredWoopRay, TriangleMethod, Woop, WoopRay};
+use crate::kernel::ray_triangle::{StoredWoopRay, WoopRay};
 use crate::lane::{Bits, F32x8, Lane, Mask, Native, NativeBits, U32x8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use bytemuck::{Pod, Zeroable};
@@ -42,7 +42,7 @@ impl StreamRay {
         let (e, h) = in_other_order(inverse.y, near.y, far.y);
         let (f, i) = in_other_order(inverse.z, near.z, far.z);
         let Vec3 { x: a, y: b, z: c } = inverse;
-        let (axis, origin, shear) = Woop::precalculate(ray).into_parts();
+        let (axis, origin, shear) = WoopRay::new(ray).into_parts();
         let (Vec3 { x: j, y: k, z: l }, Vec3 { x: m, y: n, z: o }) = (origin, shear);
         let lanes = U32x8::from_fn(|lane| lane as u32);
         let transposed = |columns: [F32x8; 8]| F32x8::gather_rows::<8>(bytemuck::cast_slice(&columns), lanes);

@@ -1,30 +1,59 @@
-//! Woop's watertight method.
+//! Rays against triangles. Both sides of a triangle can be hit.
+//!
+//! Woop's watertight test: the vertices are transformed into a space where the ray is the z axis, and three
+//! edge functions are compared with zero, edges included.
+//!
+//! Watertight because (1) a vertex is transformed to the same 2D point in every triangle that shares it, and
+//! (2) an edge function is the difference of two rounded products, so that both triangles of an edge compute
+//! exactly opposite numbers. For (2) the edge functions must not be contracted to FMA; the shear may. No
+//! fallback to double precision: an edge function that is exactly zero counts as inside, so both triangles
+//! may report the hit, and none is lost.
+//!
+//! Departures from the paper: axes are not swapped to keep the winding (both sides count), there is no
+//! fallback to double precision, and a packet orders the components of a vertex with one register permutation
+//! each.
+//!
+//! Domain: lengths from 1e-12 to 1e12, because three of them are multiplied: triangles of 1e-15 are sometimes
+//! missed or have a wrong t, and those of 1e15 are always missed.
+//! Error: 0 leaks on edges and vertices (360,000 aimed rays each, `mesh-edges` and `mesh-vertices` of `octray
+//! stability`); p99 relative error of t 8e-5 on slivers of aspect 10⁴ (`triangles-slivers`). Confirmed by
+//! `tests/pictures/stability.rs`.
+//! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
-use super::method::{PairHit, TriangleHit, TriangleMethod};
 use crate::kernel::surface::triangle_bounds;
 use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeMask};
 use crate::math::{Ray, Vec3};
 
-/// Woop's watertight test: the vertices are transformed into a space where the ray is the z axis, and three
-/// edge functions are compared with zero, edges included.
-///
-/// Watertight because (1) a vertex is transformed to the same 2D point in every triangle that shares it, and
-/// (2) an edge function is the difference of two rounded products, so that both triangles of an edge compute
-/// exactly opposite numbers. For (2) the edge functions must not be contracted to FMA; the shear may. No
-/// fallback to double precision: an edge function that is exactly zero counts as inside, so both triangles
-/// may report the hit, and none is lost.
-///
-/// Departures from the paper: axes are not swapped to keep the winding (both sides count), there is no
-/// fallback to double precision, and a packet orders the components of a vertex with one register permutation
-/// each.
-///
-/// Domain: lengths from 1e-12 to 1e12, because three of them are multiplied: triangles of 1e-15 are sometimes
-/// missed or have a wrong t, and those of 1e15 are always missed.
-/// Error: 0 leaks on edges and vertices (360,000 aimed rays each, `mesh-edges` and `mesh-vertices` of `octray
-/// stability`); p99 relative error of t 8e-5 on slivers of aspect 10⁴ (`triangles-slivers`). Confirmed by
-/// `tests/pictures/stability.rs`.
-/// Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
-pub struct Woop;
+/// The result of a triangle test: the lanes that hit, t, and the barycentrics of the second and third vertex.
+/// The numbers are unspecified outside of `mask`.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleHit<L: Lane> {
+    /// The lanes that hit.
+    pub mask: L::Mask,
+    /// The distance in multiples of the direction's length.
+    pub t: L,
+    /// The barycentric weight of the second vertex.
+    pub u: L,
+    /// The barycentric weight of the third vertex.
+    pub v: L,
+}
+
+impl<L: Lane> TriangleHit<L> {
+    /// No hit.
+    #[inline(always)]
+    pub fn none(limit: L) -> Self {
+        Self { mask: L::Mask::splat(false), t: limit, u: L::zero(), v: L::zero() }
+    }
+}
+
+/// The result of testing a pair of triangles of which each ray hits at most one.
+#[derive(Clone, Copy, Debug)]
+pub struct PairHit<L: Lane> {
+    /// The hits.
+    pub hit: TriangleHit<L>,
+    /// The lanes whose hit is of the second triangle.
+    pub is_second: L::Mask,
+}
 
 /// Each vertex as x y z x y in a row of eight, so that the components from any axis on are in cyclic order
 /// and fit one register. The last three numbers of the first and second row are the lower and upper corner of
@@ -61,8 +90,11 @@ impl<L: Lane> WoopRay<L> {
     pub fn from_parts(z_axis: L::Bits, origin: Vec3<L>, shear: Vec3<L>) -> Self {
         Self { z_axis, origin, shear }
     }
+    /// Prepares a ray for all triangles.
+    ///
+    /// Domain: direction lengths between 1e-15 and 1e15. A zero or NaN direction misses.
     #[inline(always)]
-    fn new(ray: &Ray<L>) -> Self {
+    pub fn new(ray: &Ray<L>) -> Self {
         let d = ray.direction;
         let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
         let x_is_not = ax.lt(ay.max(az));
@@ -99,6 +131,80 @@ impl<L: Lane> WoopRay<L> {
     #[inline(always)]
     fn vertices(&self, triangle: &WoopTriangle) -> [Vec3<L>; 3] {
         [self.vertex(&triangle.rows[0]), self.vertex(&triangle.rows[1]), self.vertex(&triangle.rows[2])]
+    }
+
+    /// Tests a triangle; `None` if no ray hits it. The caller compares the t of hits once it is clamped to
+    /// [`WoopTriangle::own_box`].
+    #[inline(always)]
+    pub fn test(&self, triangle: &WoopTriangle) -> Option<TriangleHit<L>> {
+        crossing((self.origin, self.shear), self.vertices(triangle)).hit(self.shear)
+    }
+
+    /// Tests a linked triangle and its successor, or returns `None` if some ray may hit both: it passes their
+    /// common edge, or they are degenerate. Then test one after the other.
+    ///
+    /// The vertices that a, b, c and a, c, d share are transformed once, and each lane goes on with the
+    /// triangle that its line passes.
+    #[inline(always)]
+    pub fn test_pair(&self, [first, second]: [&WoopTriangle; 2]) -> Option<PairHit<L>> {
+        let ([a, b, c], d) = (self.vertices(first), self.vertex(&second.rows[2]));
+        let (a, b, c, d) = (self.origin - a, self.origin - b, self.origin - c, self.origin - d);
+        let shear = |v| sheared(self.shear, v);
+        let (pa, pb, pc, pd) = (shear(a), shear(b), shear(c), shear(d));
+        let first = [edge_function(pc, pb), edge_function(pa, pc), edge_function(pb, pa)];
+        // The last one is that of the first triangle with its sign changed, but for the sign of zeros.
+        let second = [edge_function(pd, pc), edge_function(pa, pd), edge_function(pc, pa)];
+        let (in_first, in_second) = (inside(first), inside(second));
+        if (in_first & in_second).any() {
+            return None;
+        }
+        let of = |first: L, second: L| L::select(in_second, second, first);
+        let edges = [of(first[0], second[0]), of(first[1], second[1]), of(first[2], second[2])];
+        let z = [a.z, of(b.z, c.z), of(c.z, d.z)];
+        let found = Crossing::new(self.shear, in_first | in_second, z, edges).hit(self.shear);
+        let hit = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
+        Some(PairHit { hit, is_second: in_second })
+    }
+}
+
+impl WoopTriangle {
+    /// Stores a triangle, linked to no other.
+    pub fn new(vertices: [glam::Vec3; 3]) -> Self {
+        let ([a, b, c], [lo, hi]) = (vertices, triangle_bounds(vertices));
+        let row = |v: glam::Vec3, rest: glam::Vec3| [v.x, v.y, v.z, v.x, v.y, rest.x, rest.y, rest.z];
+        Self { rows: [row(a, lo), row(b, hi), row(c, glam::Vec3::ZERO)] }
+    }
+
+    /// Returns the lower and upper corner of the triangle's own box, to which hits are restricted: see
+    /// [`crate::kernel::ray_box::own_box`]. So the order of tests does not change the closest hit.
+    #[inline(always)]
+    pub fn own_box(&self) -> [glam::Vec3; 2] {
+        let corner = |row: usize| {
+            let [.., x, y, z] = self.rows[row];
+            glam::Vec3::new(x, y, z)
+        };
+        [corner(0), corner(1)]
+    }
+
+    /// Links triangles to successors that continue them: a, b, c before a, c, d, as polygons are cut. No
+    /// triangle is in two such pairs.
+    pub fn link_pairs(triangles: &mut [Self]) {
+        let vertex = |triangle: &Self, row: usize| <[f32; 3]>::try_from(&triangle.rows[row][..3]).ok();
+        let mut index = 1;
+        while index < triangles.len() {
+            let [first, second] = [&triangles[index - 1], &triangles[index]];
+            let continues = vertex(first, 0) == vertex(second, 0) && vertex(first, 2) == vertex(second, 1);
+            if continues {
+                triangles[index - 1].rows[2][LINKED] = 1.0;
+            }
+            index += 1 + usize::from(continues);
+        }
+    }
+
+    /// Returns whether the successor continues this triangle: then [`WoopRay::test_pair`] takes both.
+    #[inline(always)]
+    pub fn is_linked(&self) -> bool {
+        self.rows[2][LINKED] != 0.0
     }
 }
 
@@ -169,7 +275,7 @@ impl<L: Lane> Crossing<L> {
     }
 }
 
-/// p.x q.y − p.y q.x as two rounded products: no mul_add here, see [`Woop`].
+/// p.x q.y − p.y q.x as two rounded products: no mul_add here, or edges leak.
 #[inline(always)]
 fn edge_function<L: Lane>(p: (L, L), q: (L, L)) -> L {
     p.0 * q.1 - p.1 * q.0
@@ -270,71 +376,3 @@ impl<L: Lane> WoopRay<L> {
 /// The axes that become x, y and z, indexed by the one that becomes z. Four entries, so that `& 3` drops the
 /// bounds check.
 const ORDERS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
-
-impl TriangleMethod for Woop {
-    type Stored = WoopTriangle;
-    type Precalculated<L: Lane> = WoopRay<L>;
-
-    fn store(vertices: [glam::Vec3; 3]) -> WoopTriangle {
-        let ([a, b, c], [lo, hi]) = (vertices, triangle_bounds(vertices));
-        let row = |v: glam::Vec3, rest: glam::Vec3| [v.x, v.y, v.z, v.x, v.y, rest.x, rest.y, rest.z];
-        WoopTriangle { rows: [row(a, lo), row(b, hi), row(c, glam::Vec3::ZERO)] }
-    }
-    #[inline(always)]
-    fn own_box(triangle: &WoopTriangle) -> Option<[glam::Vec3; 2]> {
-        let corner = |row: usize| {
-            let [.., x, y, z] = triangle.rows[row];
-            glam::Vec3::new(x, y, z)
-        };
-        Some([corner(0), corner(1)])
-    }
-    fn link_pairs(triangles: &mut [WoopTriangle]) {
-        let vertex =
-            |triangle: &WoopTriangle, row: usize| <[f32; 3]>::try_from(&triangle.rows[row][..3]).ok();
-        let mut index = 1;
-        while index < triangles.len() {
-            let [first, second] = [&triangles[index - 1], &triangles[index]];
-            let continues = vertex(first, 0) == vertex(second, 0) && vertex(first, 2) == vertex(second, 1);
-            if continues {
-                triangles[index - 1].rows[2][LINKED] = 1.0;
-            }
-            index += 1 + usize::from(continues);
-        }
-    }
-    #[inline(always)]
-    fn is_linked(triangle: &WoopTriangle) -> bool {
-        triangle.rows[2][LINKED] != 0.0
-    }
-    #[inline(always)]
-    fn precalculate<L: Lane>(ray: &Ray<L>) -> WoopRay<L> {
-        WoopRay::new(ray)
-    }
-    #[inline(always)]
-    fn test<L: Lane>(ray: &WoopRay<L>, triangle: &WoopTriangle, limit: L) -> TriangleHit<L> {
-        let found = crossing((ray.origin, ray.shear), ray.vertices(triangle)).hit(ray.shear);
-        let found = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
-        TriangleHit { mask: found.mask & found.t.lt(limit), ..found }
-    }
-    /// The vertices that a, b, c and a, c, d share are transformed once, and each lane goes on with the
-    /// triangle that its line passes.
-    #[inline(always)]
-    fn test_pair<L: Lane>(ray: &WoopRay<L>, [first, second]: [&WoopTriangle; 2]) -> Option<PairHit<L>> {
-        let ([a, b, c], d) = (ray.vertices(first), ray.vertex(&second.rows[2]));
-        let (a, b, c, d) = (ray.origin - a, ray.origin - b, ray.origin - c, ray.origin - d);
-        let shear = |v| sheared(ray.shear, v);
-        let (pa, pb, pc, pd) = (shear(a), shear(b), shear(c), shear(d));
-        let first = [edge_function(pc, pb), edge_function(pa, pc), edge_function(pb, pa)];
-        // The last one is that of the first triangle with its sign changed, but for the sign of zeros.
-        let second = [edge_function(pd, pc), edge_function(pa, pd), edge_function(pc, pa)];
-        let (in_first, in_second) = (inside(first), inside(second));
-        if (in_first & in_second).any() {
-            return None;
-        }
-        let of = |first: L, second: L| L::select(in_second, second, first);
-        let edges = [of(first[0], second[0]), of(first[1], second[1]), of(first[2], second[2])];
-        let z = [a.z, of(b.z, c.z), of(c.z, d.z)];
-        let found = Crossing::new(ray.shear, in_first | in_second, z, edges).hit(ray.shear);
-        let hit = found.unwrap_or_else(|| TriangleHit::none(L::splat(f32::INFINITY)));
-        Some(PairHit { hit, is_second: in_second })
-    }
-}

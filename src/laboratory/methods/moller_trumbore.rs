@@ -1,6 +1,7 @@
 //! Möller and Trumbore's method: Cramer's rule.
 
-use super::method::{TriangleHit, TriangleMethod};
+use super::triangle::TriangleMethod;
+use crate::kernel::ray_triangle::TriangleHit;
 use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 
@@ -40,7 +41,7 @@ impl TriangleMethod for MollerTrumbore {
 impl Edges {
     /// The test of triangles whose determinant `accepts`.
     #[inline(always)]
-    pub fn test<L: Lane>(&self, ray: &Ray<L>, limit: L, accepts: impl Fn(L) -> L::Mask) -> TriangleHit<L> {
+    fn test<L: Lane>(&self, ray: &Ray<L>, limit: L, accepts: impl Fn(L) -> L::Mask) -> TriangleHit<L> {
         let (ab, ac) = (Vec3::splat(self.ab), Vec3::splat(self.ac));
         let p = ray.direction.cross(ac);
         let determinant = ab.dot(p);
@@ -56,5 +57,29 @@ impl Edges {
         let t = ac.dot(q) * inverse;
         let mask = inside & L::zero().le(v) & (u + v).le(L::one()) & L::zero().lt(t) & t.lt(limit);
         TriangleHit { mask, t, u, v }
+    }
+}
+
+/// [`MollerTrumbore`] with an epsilon: determinants between −1e-6 and 1e-6 count as parallel. For charts.
+///
+/// Error: as [`MollerTrumbore`]; it also misses all triangles with edges below some 1e-3, because the
+/// determinant is an area and not an angle.
+/// Source: the listing in the same paper.
+pub struct MollerTrumboreEpsilon;
+
+impl TriangleMethod for MollerTrumboreEpsilon {
+    type Stored = Edges;
+    type Precalculated<L: Lane> = Ray<L>;
+
+    fn store(vertices: [glam::Vec3; 3]) -> Edges {
+        MollerTrumbore::store(vertices)
+    }
+    #[inline(always)]
+    fn precalculate<L: Lane>(ray: &Ray<L>) -> Ray<L> {
+        *ray
+    }
+    #[inline(always)]
+    fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
+        triangle.test(ray, limit, |determinant| L::splat(1e-6).le(determinant.abs()))
     }
 }

@@ -248,8 +248,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles of its slot, for the
-    /// `count` rays of a node.
+    /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles of its slot, for
+    /// the `count` rays of a node.
     #[inline(always)]
     fn triangle_leaves<const ANY: bool>(
         &mut self,

@@ -11,9 +11,13 @@ impl Candidates {
     pub fn of_kind(&self, kind: Kind) -> &[u32] {
         &self.0[kind as usize]
     }
+    /// Returns the numbers of candidates by kind.
+    pub fn counts(&self) -> KindCounts {
+        KindCounts(self.0.each_ref().map(Vec::len))
+    }
     /// Returns the number of candidates.
     pub fn len(&self) -> usize {
-        self.0.iter().map(Vec::len).sum()
+        self.counts().total()
     }
     /// Returns whether there is none.
     pub fn is_empty(&self) -> bool {

@@ -1,6 +1,6 @@
 //! The kinds of primitives, and how primitives are numbered: in the order of their kinds.
 
-use crate::lane::Bits;
+use crate::lane::{Bits, Mask};
 
 /// A kind of primitive. Primitives are numbered in the order of their kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +14,18 @@ pub enum Kind {
 impl Kind {
     /// All kinds in their order.
     pub const ALL: [Self; 2] = [Self::Sphere, Self::Triangle];
+
+    /// Returns the cost of testing a primitive of this kind in a list, in tests of a sphere.
+    pub const fn test_cost(self) -> usize {
+        match self {
+            Self::Sphere => 1,
+            Self::Triangle => 6,
+        }
+    }
 }
+
+// `ALL` has every kind, in the order of the declaration.
+const _: () = assert!(Kind::Triangle as usize + 1 == Kind::ALL.len());
 
 /// The numbers of primitives by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,37 +42,45 @@ impl KindCounts {
     }
     /// Returns the kind of a primitive, by its number.
     pub fn kind_of(self, number: usize) -> Kind {
-        let is_before = |kind: &&Kind| number < self.first(**kind) + self.0[**kind as usize];
-        *Kind::ALL.iter().find(is_before).unwrap_or(&Kind::Triangle)
+        let is_before = |kind: &Kind| number < self.first(*kind) + self.0[*kind as usize];
+        Kind::ALL.into_iter().find(is_before).expect("the number of a primitive")
+    }
+    /// Returns the cost of testing all primitives for a ray, in tests of a sphere.
+    pub fn list_cost(self) -> usize {
+        Kind::ALL.into_iter().zip(self.0).map(|(kind, count)| kind.test_cost() * count).sum()
     }
 }
 
 /// Where the numbers of each kind begin, for packets.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct KindRanges {
-    first_triangle: u32,
+    /// The first number of each kind.
+    first: [u32; Kind::ALL.len()],
 }
 
 impl KindRanges {
     /// Returns the ranges of so many primitives.
     pub fn new(counts: KindCounts) -> Self {
-        Self { first_triangle: counts.first(Kind::Triangle) as u32 }
+        Self { first: Kind::ALL.map(|kind| counts.first(kind) as u32) }
     }
     /// Returns the lanes whose primitive is of this kind; unspecified in lanes without a hit.
     #[inline(always)]
     pub fn are_of_kind<B: Bits>(self, kind: Kind, primitive: B) -> B::Mask {
-        let are_spheres = primitive.less(B::splat(self.first_triangle));
-        match kind {
-            Kind::Sphere => are_spheres,
-            Kind::Triangle => !are_spheres,
+        let are_below = |end: u32| primitive.less(B::splat(end));
+        let (first, next) = (self.first[kind as usize], self.first.get(kind as usize + 1));
+        match (kind as usize, next) {
+            (0, None) => B::Mask::splat(true),
+            (0, Some(&next)) => are_below(next),
+            (_, None) => !are_below(first),
+            (_, Some(&next)) => !are_below(first) & are_below(next),
         }
     }
     /// Returns the indices of primitives of a kind among those of the kind.
     #[inline(always)]
     pub fn index_in_kind<B: Bits>(self, kind: Kind, primitive: B) -> B {
-        match kind {
-            Kind::Sphere => primitive,
-            Kind::Triangle => primitive.wrapping_add(B::splat(self.first_triangle.wrapping_neg())),
+        match kind as usize {
+            0 => primitive,
+            kind => primitive.wrapping_add(B::splat(self.first[kind].wrapping_neg())),
         }
     }
 }

@@ -7,9 +7,10 @@ use crate::bvh::check::Statistics;
 use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
+use crate::rays::Kind;
 use crate::render::{LaneChoice, Methods, TraversalChoice, features_of};
 use crate::scene::Scene;
-use crate::traverse::{MAX_LIST_COST, TRIANGLE_COST, list_cost};
+use crate::traverse::MAX_LIST_COST;
 use crate::wording::{counted, grouped};
 use indicatif::DecimalBytes;
 use serde::Serialize;
@@ -50,7 +51,7 @@ impl TraversalReport {
             // Both are equal: a traversal itself finds out which rays are coherent.
             primary: traversal,
             bounces: traversal,
-            linear_cost: list_cost(scene.spheres.len(), scene.triangles.len()),
+            linear_cost: scene.counts().list_cost(),
             most_linear_cost: MAX_LIST_COST,
         }
     }
@@ -73,7 +74,7 @@ impl TraversalReport {
         let cost = format!(
             "testing everything would cost a ray {} (1 a sphere, {} a triangle)",
             grouped(*linear_cost),
-            TRIANGLE_COST
+            Kind::Triangle.test_cost()
         );
         format!("{cost}; {relation} {most_linear_cost}, {faster}")
     }

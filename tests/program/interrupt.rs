@@ -7,6 +7,7 @@ use octray::render::{Renderer, Settings};
 use octray::scene;
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
@@ -84,9 +85,12 @@ impl Running {
     fn wait_until_it_listens(&mut self) -> u64 {
         wait_for("a handler of Ctrl-C", || {
             assert_eq!(self.child.try_wait().unwrap(), None, "the program ended");
+            // The shell that starts the program may have handlers of its own.
+            let exe = std::fs::read_link(format!("/proc/{}/exe", self.child.id())).ok()?;
             let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
             let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
-            Some(u64::from_str_radix(caught.trim(), 16).unwrap()).filter(|caught| caught & 2 > 0)
+            let caught = u64::from_str_radix(caught.trim(), 16).unwrap();
+            (exe.file_name() == Path::new(PROGRAM).file_name() && caught & 2 > 0).then_some(caught)
         })
     }
 

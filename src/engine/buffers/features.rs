@@ -38,7 +38,7 @@ features! {
     LINEAR_TEXTURES = 15, "linear-textures";
     SKY_GRADIENT = 10, "sky-gradient";
     SKY_TEXTURE = 11, "sky-texture";
-    /// More quadrics than a register table holds.
+    /// More spheres than a register table holds.
     MANY_SPHERES = 12, "many-spheres";
     /// More triangles than a register table holds.
     MANY_TRIANGLES = 13, "many-triangles";
@@ -104,11 +104,12 @@ impl Features {
                 needs = needs.with(feature);
             }
         };
-        need(!scene.spheres.is_empty(), Self::SPHERES);
-        need(!scene.triangles.is_empty(), Self::TRIANGLES);
-        need(scene.spheres.len() > Rows::FEW, Self::MANY_SPHERES);
+        let [spheres, triangles] = scene.counts().0;
+        need(spheres > 0, Self::SPHERES);
+        need(triangles > 0, Self::TRIANGLES);
+        need(spheres > Rows::FEW, Self::MANY_SPHERES);
         // Two rows a triangle.
-        need(2 * scene.triangles.len() > Rows::FEW, Self::MANY_TRIANGLES);
+        need(2 * triangles > Rows::FEW, Self::MANY_TRIANGLES);
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
         need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);
         need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);

@@ -17,10 +17,7 @@ pub struct Cost {
 
 impl From<Counts> for Cost {
     fn from(counts: Counts) -> Self {
-        Self {
-            boxes: counts.boxes.tests as u32,
-            primitives: (counts.spheres.tests + counts.triangles.tests) as u32,
-        }
+        Self { boxes: counts.boxes.tests as u32, primitives: counts.primitives() as u32 }
     }
 }
 

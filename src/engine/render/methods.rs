@@ -5,7 +5,7 @@ use crate::choice::{Choice, choices, serde_by_name};
 use crate::lights::{LightChoice, Lights};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use octray_rays::traverse::{MAX_LIST_COST, list_cost};
+use octray_rays::traverse::MAX_LIST_COST;
 use octray_rays::{Geometry, PrimitiveTests, Structure, Traversal};
 use std::sync::Arc;
 
@@ -29,10 +29,9 @@ choices! {
 }
 
 /// Returns the features that traversal adds to those of [`Features::of`]: [`Features::HIERARCHY`] where
-/// [`list_cost`] is above [`MAX_LIST_COST`].
+/// [`octray_rays::KindCounts::list_cost`] is above [`MAX_LIST_COST`].
 pub fn features_of(scene: &Scene) -> Features {
-    let cost = list_cost(scene.spheres.len(), scene.triangles.len());
-    if cost > MAX_LIST_COST { Features::HIERARCHY } else { Features::NONE }
+    if scene.counts().list_cost() > MAX_LIST_COST { Features::HIERARCHY } else { Features::NONE }
 }
 
 /// The methods of a rendering. The defaults are robust: they hold where others fail.

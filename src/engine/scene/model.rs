@@ -73,7 +73,7 @@ impl Scene {
     }
     /// All primitives, as hits number them: spheres first, then triangles.
     pub fn all_primitives(&self) -> impl Iterator<Item = Primitive<'_>> {
-        self.spheres.iter().map(Primitive::Sphere).chain(self.triangles.iter().map(Primitive::Triangle))
+        (0..self.primitives()).map(|number| self.primitive(number))
     }
     /// A primitive by its number.
     ///

@@ -1,5 +1,6 @@
 //! Axis-aligned boxes: as lower and upper corner, and packed into one register for the builder.
 
+use super::node::Child;
 use crate::lane::{F32x8, Lane, Mask8};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -54,9 +55,9 @@ pub(super) struct PackedBox(F32x8);
 /// lanes, and some processors take a hundred times as long where an operand or a result is denormal. Two of
 /// these floats differ by 2⁻¹²⁶ at least, the smallest normal float.
 const NUMBER_BASE: u32 = 0x0C00_0000;
-/// Most primitives of one hierarchy: their numbers stay finite floats, and leave two bits of a reference
-/// free.
-pub const MAX_PRIMITIVES: usize = 1 << 30;
+/// Most primitives of one hierarchy: their numbers stay finite floats, and every leaf has a
+/// reference.
+pub const MAX_PRIMITIVES: usize = Child::INDEX as usize + 1;
 const _: () = assert!(f32::from_bits(NUMBER_BASE + MAX_PRIMITIVES as u32 - 1).is_finite());
 
 impl PackedBox {

@@ -110,15 +110,15 @@ impl Builder {
     ) -> Option<(usize, Set, Set)> {
         let count = boxes.len();
         if count > LEAF {
-            // After a split by cost, halving and one split by kind must still fit below the largest depth.
-            let by_cost = depth + levels(count) + 2 <= MAX_DEPTH;
+            // After a split by cost, halving and the splits by kind must still fit below the largest depth.
+            let by_cost = depth + levels(count) + Kind::ALL.len() as u32 <= MAX_DEPTH;
             let split = if by_cost { split::cheapest_split(boxes, set, LEAF as u32) } else { None };
             return Some(match split {
                 Some(split) => split::partition(boxes, set, &split),
                 None => split::halve(boxes, set, LEAF),
             });
         }
-        if count > MAX_UNSPLIT && depth + 2 <= MAX_DEPTH {
+        if count > MAX_UNSPLIT && depth + Kind::ALL.len() as u32 <= MAX_DEPTH {
             let split = split::cheapest_split(boxes, set, LEAF as u32);
             if let Some(split) = split.filter(|split| leaf.improved_by_split(split.cost)) {
                 return Some(split::partition(boxes, set, &split));

@@ -25,7 +25,7 @@ impl Child {
     /// Set in leaves of spheres.
     const SPHERES: u32 = 1 << 30;
     /// Masks the index of a leaf among those of its kind.
-    const INDEX: u32 = Self::SPHERES - 1;
+    pub(super) const INDEX: u32 = Self::SPHERES - 1;
     /// No child; its box is empty, so no ray reaches it. The leaf bits are set, and the index is out of
     /// range.
     pub const NONE: Self = Self(u32::MAX);
@@ -48,7 +48,7 @@ impl Child {
     }
     /// Returns the kind of a leaf's primitives.
     #[inline(always)]
-    pub fn kind(self) -> Kind {
+    pub const fn kind(self) -> Kind {
         if self.0 & Self::SPHERES != 0 { Kind::Sphere } else { Kind::Triangle }
     }
     /// The index of a node, or of a leaf among those of its kind.
@@ -57,6 +57,15 @@ impl Child {
         (self.0 & Self::INDEX) as usize
     }
 }
+
+// Every kind has bits of its own.
+const _: () = {
+    let mut kind = 0;
+    while kind < Kind::ALL.len() {
+        assert!(Child::leaf(Kind::ALL[kind], 0).kind() as usize == kind);
+        kind += 1;
+    }
+};
 
 /// The boxes of the children, and the children: four or eight cache lines.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -93,6 +93,10 @@ impl AddAssign for Tests {
 }
 
 impl Counts {
+    /// Returns the tests of primitives of all kinds.
+    pub fn primitives(mut self) -> u64 {
+        Kind::ALL.into_iter().map(|kind| self.of_kind(kind).tests).sum()
+    }
     fn of_kind(&mut self, kind: Kind) -> &mut Tests {
         match kind {
             Kind::Sphere => &mut self.spheres,
@@ -103,9 +107,10 @@ impl Counts {
 
 impl AddAssign for Counts {
     fn add_assign(&mut self, other: Self) {
-        self.boxes += other.boxes;
-        self.triangles += other.triangles;
-        self.spheres += other.spheres;
+        let Self { boxes, triangles, spheres } = other;
+        self.boxes += boxes;
+        self.triangles += triangles;
+        self.spheres += spheres;
     }
 }
 

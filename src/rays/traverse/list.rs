@@ -41,13 +41,12 @@ impl List {
         listed: Option<&Candidates>,
         counter: Option<&Counter>,
     ) {
-        let count = |kind: Kind, all: usize| listed.map_or(all, |listed| listed.of_kind(kind).len());
-        let spheres = count(Kind::Sphere, self.spheres.len());
-        let triangles = count(Kind::Triangle, self.triangles.len());
+        let all = KindCounts([self.spheres.len(), self.triangles.len()]);
+        let tested = listed.map_or(all, Candidates::counts);
         if let Some(counter) = counter {
-            let tested = KindCounts([spheres, triangles]);
             counter.list(tested, rays.len().div_ceil(L::WIDTH), rays.len());
         }
+        let [spheres, triangles] = tested.0;
         // Without any candidate, the loop over no sphere stores the misses.
         if spheres > 0 || triangles == 0 {
             self.spheres.trace::<L>(rays, hits, listed.map(|listed| listed.of_kind(Kind::Sphere)));

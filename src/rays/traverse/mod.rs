@@ -31,5 +31,5 @@ mod tracer;
 
 pub use custom::PrimitiveTests;
 pub use list::List;
-pub use structure::{MAX_LIST_COST, Structure, TRIANGLE_COST, list_cost};
+pub use structure::{MAX_LIST_COST, Structure};
 pub use tracer::{Tracer, Traversal};

@@ -5,7 +5,7 @@
 //! everything inside. In rooms with few other surfaces that leaves few tests.
 
 use super::hierarchy::Hierarchy;
-use super::structure::{MAX_LIST_COST, list_cost};
+use super::structure::MAX_LIST_COST;
 use crate::bvh::Trees;
 use crate::candidates::Candidates;
 use crate::geometry::{Geometry, Shape};
@@ -38,7 +38,7 @@ impl Occluders {
         is_target: impl Fn(usize) -> bool,
         hierarchy: Option<(&Hierarchy, Trees)>,
     ) -> Option<Self> {
-        if list_cost(geometry.spheres.len(), geometry.triangles.len()) > MAX_LIST_COST {
+        if geometry.counts().list_cost() > MAX_LIST_COST {
             return None;
         }
         let (mut candidates, surfaces) = (Candidates::default(), Surfaces::new(geometry, is_target));

@@ -13,17 +13,10 @@ use crate::geometry::Geometry;
 use crate::lane::NATIVE_WIDTH;
 use std::sync::Arc;
 
-/// The cost of testing a triangle, in tests of a sphere.
-pub const TRIANGLE_COST: usize = 6;
-/// Up to this [`list_cost`] primitives are tested one by one, above it through a hierarchy: about where that
+/// Up to this [`list_cost`](crate::KindCounts::list_cost) primitives are tested one by one, above it through a hierarchy: about where that
 /// becomes faster. Measured in frames, both take equally long for terrains of about 45 triangles with 16
 /// lanes (AMD Zen 4) and 32 with 8, knots of 55 and 90, 285 spheres and 200 to 290.
 pub const MAX_LIST_COST: usize = 240;
-
-/// Returns the cost of testing this many spheres and triangles for a ray, in tests of a sphere.
-pub const fn list_cost(spheres: usize, triangles: usize) -> usize {
-    spheres + TRIANGLE_COST * triangles
-}
 
 /// Primitives ready for queries. A structure is built once and shared by all threads; [`super::Tracer`] asks
 /// it. Clones share the memory.
@@ -47,7 +40,7 @@ pub(super) enum Primitives {
 impl Structure {
     /// Builds a list of few primitives, or the hierarchy of many: the structure that answers sooner.
     pub fn new(geometry: &Geometry) -> Self {
-        if list_cost(geometry.spheres.len(), geometry.triangles.len()) <= MAX_LIST_COST {
+        if geometry.counts().list_cost() <= MAX_LIST_COST {
             Self::list(geometry, NATIVE_WIDTH)
         } else {
             Self::tree(geometry, Traversal::default())

@@ -15,6 +15,7 @@ use sphere::OnSphere;
 use triangle::OnTriangle;
 
 /// The lanes whose hit is on a primitive of each kind. Where the pipeline has one kind, all lanes are of it.
+#[derive(Clone, Copy)]
 struct HitKinds<L: Lane> {
     sphere: L::Mask,
     triangle: L::Mask,
@@ -91,10 +92,11 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     pub fn tangent<const N: u32>(&self, context: &TraceContext, mapped: L::Mask) -> (Vec3<L>, L) {
         let mut frame = (Vec3::zero(), L::zero());
-        if has(N, Features::SPHERES) && (mapped & self.kinds.sphere).any() {
+        let HitKinds { sphere, triangle } = self.kinds;
+        if has(N, Features::SPHERES) && (mapped & sphere).any() {
             frame = self.sphere_tangent();
         }
-        let on_triangle = mapped & self.kinds.triangle;
+        let on_triangle = mapped & triangle;
         if has(N, Features::TRIANGLES) && on_triangle.any() {
             frame = self.triangle_tangent::<N>(context, on_triangle, frame);
         }
@@ -105,10 +107,11 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     pub fn texture_point<const N: u32>(&self, context: &TraceContext, textured: L::Mask) -> TexturePoint<L> {
         let mut found = ((L::zero(), L::zero()), L::zero());
-        if has(N, Features::SPHERES) && (textured & self.kinds.sphere).any() {
+        let HitKinds { sphere, triangle } = self.kinds;
+        if has(N, Features::SPHERES) && (textured & sphere).any() {
             found = self.sphere_coordinates::<N>(context);
         }
-        let on_triangle = textured & self.kinds.triangle;
+        let on_triangle = textured & triangle;
         if has(N, Features::TRIANGLES) && on_triangle.any() && context.buffers.has_uvs {
             found = self.triangle_coordinates::<N>(context, found);
         }
@@ -117,6 +120,6 @@ impl<L: Lane> Surface<L> {
         if context.carries_cones::<N>() {
             footprint = ray_cone::footprint(self.cone_width, self.facing, density);
         }
-        TexturePoint { u, v, clamp_v: self.kinds.sphere, footprint }
+        TexturePoint { u, v, clamp_v: sphere, footprint }
     }
 }

@@ -10,7 +10,7 @@ use crate::methods;
 use crate::render::{PipelineChoice, Renderer, Settings, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
-use crate::traverse::{Traversal, list_cost};
+use crate::traverse::Traversal;
 use serde::Serialize;
 
 /// Settings under a name.
@@ -121,7 +121,7 @@ impl Group {
     }
 }
 
-/// Largest cost of testing every primitive that is charted, in sphere tests as [`list_cost`] counts.
+/// Largest cost of testing every primitive that is charted, in sphere tests as `list_cost` counts.
 const MOST_LINEAR: usize = 4_000;
 
 /// Returns the configurations that can differ on this scene, the default first. `settings` are those of the
@@ -136,7 +136,7 @@ pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     let renderer = Renderer::new(scene, settings);
     let default_picture = first_sample(&renderer);
     let hierarchy = settings.methods.traversal_of(scene, settings.lanes).is_some();
-    let linear = list_cost(scene.spheres.len(), scene.triangles.len()) <= MOST_LINEAR;
+    let linear = scene.counts().list_cost() <= MOST_LINEAR;
 
     let mut all = vec![default.clone()];
     let mut add = |name, applies: bool, change: &dyn Fn(&mut Configuration)| {

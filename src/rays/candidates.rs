@@ -1,8 +1,8 @@
-//! Candidates: the primitives that some rays can hit, for tests of a list.
+//! //! Lists of the primitives that a set of rays can hit.
 
 use crate::numbering::{Kind, KindCounts};
 
-/// The primitives of each kind in ascending order, each by its index among those of its kind.
+/// The primitives of each kind in ascending order; each entry is an index among the primitives of that kind.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Candidates([Vec<u32>; Kind::ALL.len()]);
 
@@ -19,7 +19,7 @@ impl Candidates {
     pub fn len(&self) -> usize {
         self.counts().total()
     }
-    /// Returns whether there is none.
+    /// Tests whether there are no candidates.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -27,7 +27,7 @@ impl Candidates {
     pub fn clear(&mut self) {
         self.0.iter_mut().for_each(Vec::clear);
     }
-    /// Adds a primitive of a geometry with these counts by its number.
+    /// Adds a primitive, given by its number in a geometry with these counts.
     pub fn push(&mut self, counts: KindCounts, number: usize) {
         let kind = counts.kind_of(number);
         self.0[kind as usize].push((number - counts.first(kind)) as u32);

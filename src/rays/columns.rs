@@ -1,39 +1,39 @@
-//! Rays and hits as columns: what every traversal reads and writes.
+//! Rays and hits as columns, the input and the output of every traversal.
 
 use crate::candidates::Candidates;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use std::ops::Range;
 
-/// Rays as columns.
+/// A set of rays as columns.
 #[derive(Clone, Copy)]
 pub struct Rays<'a> {
     origin: Origin<'a>,
-    /// x, y and z of their directions, of unit length but for queries in the coordinates of the world.
+    /// The x, y and z of the directions, of unit length except in queries in world coordinates.
     pub direction: [&'a [f32]; 3],
-    /// Hits from here on do not count; without it, all do. A ray with NaN, 0 or less hits nothing.
+    /// Only hits before it count; `None` means infinity. A ray whose t_max is NaN or ≤ 0 hits nothing.
     t_max: Option<&'a [f32]>,
     candidates: Option<&'a Candidates>,
     count: usize,
 }
 
-/// Where rays begin: columns of x, y and z, or one point.
+/// The origins of rays: columns of x, y and z, or one point.
 #[derive(Clone, Copy)]
 enum Origin<'a> {
     Each([&'a [f32]; 3]),
     Common(glam::Vec3),
 }
 
-/// Hits as columns: t and [`crate::math::MISS`] where nothing is hit, t being the ray's t_max. Barycentric
-/// weights are unspecified but on triangles.
+/// Hits as columns. A miss has [`crate::math::MISS`] as primitive and the ray's t_max as t. Barycentric
+/// weights are unspecified except on triangles.
 pub struct Hits<'a> {
-    /// Distances.
+    /// The distances.
     pub t: &'a mut [f32],
-    /// Indices of primitives.
+    /// The indices of the primitives.
     pub primitive: &'a mut [u32],
-    /// Barycentric weights of the second vertex.
+    /// The barycentric weights of the second vertex.
     pub u: &'a mut [f32],
-    /// Barycentric weights of the third vertex.
+    /// The barycentric weights of the third vertex.
     pub v: &'a mut [f32],
 }
 
@@ -43,7 +43,7 @@ fn load<L: Lane>([x, y, z]: &[&[f32]; 3], at: usize) -> Vec3<L> {
 }
 
 impl<'a> Rays<'a> {
-    /// As many rays as the columns are long.
+    /// Creates as many rays as the columns are long.
     pub fn new(origin: [&'a [f32]; 3], direction: [&'a [f32]; 3]) -> Self {
         Self {
             origin: Origin::Each(origin),
@@ -53,7 +53,7 @@ impl<'a> Rays<'a> {
             count: direction[0].len(),
         }
     }
-    /// The same from one origin.
+    /// Creates rays that share one origin.
     pub fn from_one(origin: glam::Vec3, direction: [&'a [f32]; 3]) -> Self {
         Self {
             origin: Origin::Common(origin),
@@ -63,33 +63,33 @@ impl<'a> Rays<'a> {
             count: direction[0].len(),
         }
     }
-    /// The first `count` rays of longer columns. A list reads and writes whole packets: there the
-    /// columns of rays and hits go on to the end of the last one.
+    /// Restricts the rays to the first `count` of longer columns. Tests of a list read and write whole
+    /// packets, so the columns of rays and hits must extend to the end of the last packet.
     pub fn first(self, count: usize) -> Self {
         Self { count, ..self }
     }
-    /// The same rays, ending at these t_max.
+    /// Sets the t_max of each ray.
     pub fn until(self, t_max: &'a [f32]) -> Self {
         Self { t_max: Some(t_max), ..self }
     }
-    /// Returns the same rays with all primitives that they can hit, if those are known. Only
-    /// [`crate::Structure::accepts_candidates`] reads them.
+    /// Sets the candidates, all primitives that the rays can hit, if they are known. Only structures for
+    /// which [`crate::Structure::accepts_candidates`] holds read them.
     pub fn among(self, candidates: Option<&'a Candidates>) -> Self {
         Self { candidates, ..self }
     }
-    /// Returns all primitives that the rays can hit, if those are known.
+    /// Returns the candidates, all primitives that the rays can hit, if they are known.
     pub(crate) fn candidates(&self) -> Option<&'a Candidates> {
         self.candidates
     }
-    /// The number of rays.
+    /// Returns the number of rays.
     pub fn len(&self) -> usize {
         self.count
     }
-    /// Whether there is no ray.
+    /// Tests whether there are no rays.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
-    /// `WIDTH` rays from `at` on.
+    /// Returns the `WIDTH` rays that start at index `at`.
     #[inline(always)]
     pub fn packet<L: Lane>(&self, at: usize) -> Ray<L> {
         let origin = match &self.origin {
@@ -98,12 +98,12 @@ impl<'a> Rays<'a> {
         };
         Ray { origin, direction: load(&self.direction, at) }
     }
-    /// The t_max of `WIDTH` rays from `at` on.
+    /// Returns the t_max of the `WIDTH` rays that start at index `at`.
     #[inline(always)]
     pub(crate) fn t_max<L: Lane>(&self, at: usize) -> L {
         self.t_max.map_or(L::splat(f32::INFINITY), |t_max| L::load(&t_max[at..]))
     }
-    /// Whether all rays begin at this point.
+    /// Tests whether all rays begin at this point.
     pub(crate) fn begin_at(&self, point: [f32; 3]) -> bool {
         match &self.origin {
             Origin::Common(origin) => origin.to_array() == point,
@@ -114,7 +114,7 @@ impl<'a> Rays<'a> {
             }),
         }
     }
-    /// Some of the rays.
+    /// Returns the rays with these indices.
     pub fn range(&self, range: Range<usize>) -> Rays<'a> {
         let columns = |columns: [&'a [f32]; 3]| columns.map(|column| &column[range.clone()]);
         let origin = match self.origin {
@@ -127,7 +127,7 @@ impl<'a> Rays<'a> {
 }
 
 impl Hits<'_> {
-    /// Nothing, before the end of each ray.
+    /// Resets every hit to a miss at the ray's t_max.
     pub(crate) fn reset(&mut self, rays: &Rays) {
         let t = &mut self.t[..rays.count];
         match rays.t_max {
@@ -136,7 +136,7 @@ impl Hits<'_> {
         }
         self.primitive[..rays.count].fill(MISS);
     }
-    /// One hit.
+    /// Returns one hit.
     #[inline(always)]
     pub fn get(&self, at: usize) -> Hit<f32> {
         Hit { t: self.t[at], primitive: self.primitive[at], u: self.u[at], v: self.v[at] }
@@ -146,31 +146,31 @@ impl Hits<'_> {
     pub fn set(&mut self, at: usize, hit: &Hit<f32>) {
         (self.t[at], self.primitive[at], self.u[at], self.v[at]) = (hit.t, hit.primitive, hit.u, hit.v);
     }
-    /// `WIDTH` hits from `at` on.
+    /// Returns the `WIDTH` hits that start at index `at`.
     #[inline(always)]
     pub fn packet<L: Lane>(&self, at: usize) -> Hit<L> {
         let (t, primitive) = self.nearest(at);
         Hit { t, primitive, u: L::load(&self.u[at..]), v: L::load(&self.v[at..]) }
     }
-    /// Replaces `WIDTH` hits.
+    /// Replaces the `WIDTH` hits that start at index `at`.
     #[inline(always)]
     pub fn store<L: Lane>(&mut self, at: usize, hit: &Hit<L>) {
         self.store_nearest(at, hit.t, hit.primitive);
         hit.u.store(&mut self.u[at..]);
         hit.v.store(&mut self.v[at..]);
     }
-    /// Distance and primitive of `WIDTH` hits.
+    /// Returns the distances and primitives of `WIDTH` hits.
     #[inline(always)]
     pub(crate) fn nearest<L: Lane>(&self, at: usize) -> (L, L::Bits) {
         (L::load(&self.t[at..]), L::Bits::load(&self.primitive[at..]))
     }
-    /// Replaces distance and primitive of `WIDTH` hits.
+    /// Replaces the distances and primitives of `WIDTH` hits.
     #[inline(always)]
     pub(crate) fn store_nearest<L: Lane>(&mut self, at: usize, t: L, primitive: L::Bits) {
         t.store(&mut self.t[at..]);
         primitive.store(&mut self.primitive[at..]);
     }
-    /// Some of the hits.
+    /// Returns the hits with these indices.
     pub fn range(&mut self, range: Range<usize>) -> Hits<'_> {
         Hits {
             t: &mut self.t[range.clone()],

@@ -16,7 +16,7 @@ use glam::DVec3;
 /// coordinates up to [`crate::coordinates::MAX_COORDINATE`].
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    /// Where the coordinates of the primitives are in the world.
+    /// The place of the primitives' coordinates in the world.
     pub coordinates: Coordinates,
     /// All spheres.
     pub spheres: Vec<Sphere>,
@@ -42,14 +42,14 @@ impl Geometry {
     pub fn len(&self) -> usize {
         self.counts().total()
     }
-    /// Returns whether there is no primitive.
+    /// Tests whether there are no primitives.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
     /// Returns a primitive by its number.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If `number` is not below [`Geometry::len`].
     pub fn shape(&self, number: usize) -> Shape {
         let kind = self.counts().kind_of(number);
         let index = number - self.counts().first(kind);
@@ -102,7 +102,7 @@ impl Shape {
             Self::Triangle(vertices) => triangle_bounds(vertices),
         }
     }
-    /// Returns how far off the surface rays start that leave it.
+    /// Returns the offset along the normal of rays that leave the surface.
     pub fn offset(self) -> f32 {
         match self {
             Self::Sphere(sphere) => sphere.offset(),
@@ -118,7 +118,7 @@ impl Shape {
         };
         (point, ng, self.offset())
     }
-    /// Iterates over centre and radius of balls in whose convex hull the primitive lies.
+    /// Iterates over the centres and radii of balls whose convex hull contains the primitive.
     pub fn balls(self) -> impl Iterator<Item = (DVec3, f64)> + Clone {
         let (points, count, radius) = match self {
             Self::Sphere(Sphere { center, radius }) => ([center; 3], 1, radius),
@@ -126,7 +126,7 @@ impl Shape {
         };
         points.into_iter().take(count).map(move |point| (point.as_dvec3(), f64::from(radius)))
     }
-    /// Returns the lower and upper corner of the box around the balls.
+    /// Returns the lower and upper corner of the box around these balls.
     pub fn extent(self) -> [DVec3; 2] {
         let boxes = self.balls().map(|(center, radius)| [center - radius, center + radius]);
         boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]).unwrap_or_default()

@@ -1,8 +1,8 @@
-//! The tracing core of octray: which primitive does a ray hit first, and does it hit any?
+//! The tracing core of octray: finds which primitive a ray hits first, and whether it hits any.
 //!
 //! A [`Structure`] is built once from a [`Geometry`] and shared by all threads. Each thread has a [`Tracer`],
-//! which owns the working memory, and answers two questions over columns of rays: [`Tracer::closest`] and
-//! [`Tracer::occluded`]. This package knows primitives by their geometry alone.
+//! which owns the working memory and runs two queries on columns of rays: [`Tracer::closest`] and
+//! [`Tracer::occluded`]. This package knows only the geometry of primitives.
 //!
 //! ```
 //! use octray_rays::{Geometry, Hits, MISS, Rays, Sphere, Structure, Tracer};
@@ -19,25 +19,25 @@
 //! ```
 //!
 //! # Compile for the processor
-//! A package is compiled for the least processor of its target, on x86-64 for SSE2, and then this one runs at
-//! half the speed or less. Put `rustflags = ["-C", "target-cpu=native"]` under `[build]` into
-//! `.cargo/config.toml` of your package; [`lane::INSTRUCTIONS`] says which instructions were compiled for.
+//! A package is compiled for its target's least processor, on x86-64 for SSE2, and this one then runs at half
+//! the speed or less. Put `rustflags = ["-C", "target-cpu=native"]` under `[build]` into `.cargo/config.toml`
+//! of your package; [`lane::INSTRUCTIONS`] names the vector instructions of a build.
 //!
 //! # Modules
-//! Each imports only from those above it.
+//! Each module imports only from those above it.
 //!
-//! | module | idea |
+//! | module | what it holds |
 //! |---|---|
 //! | [`lane`] | width as a type: `f32`, `F32x8`, `F32x16` behind one trait; elementary functions |
 //! | [`math`] | vectors, rays, hits and view frusta; bounds of rounding error |
-//! | [`coordinates`] | the coordinates of the world and those of a structure |
-//! | [`kernel`] | equations of rays with boxes, spheres and triangles; points on surfaces |
-//! | [`prepared`] | rays ready for tests: what is computed once for a ray or a packet |
+//! | [`coordinates`] | the transform between world coordinates and those of a structure |
+//! | [`kernel`] | intersection of rays with boxes, spheres and triangles; points on surfaces |
+//! | [`prepared`] | rays prepared for tests: the values computed once per ray or packet |
 //! | [`numbering`] | the kinds of primitives, and how primitives are numbered |
 //! | [`candidates`], [`columns`] | the primitives that rays can hit; rays and hits as columns |
-//! | [`kind`] | the kinds of primitives: a folder each |
+//! | [`kind`] | the kinds of primitives, one folder each |
 //! | [`geometry`] | all primitives of a scene |
-//! | [`bvh`] | the bounding volume hierarchy: built and checked |
+//! | [`bvh`] | the bounding volume hierarchy: its builder and its check |
 //! | [`traverse`] | closest hit and any hit, by a list or through the hierarchy |
 //!
 //! # Laws
@@ -45,8 +45,8 @@
 //!   then triangles. The nearest t wins, and the lower index on a tie.
 //! - **Width is a type.** An equation is written once over [`lane::Lane`] and runs at widths 1, 8 and 16.
 //! - **Culling is conservative.** A test is skipped only where it finds no hit.
-//! - **Kernels are pure.** Values in, (mask, values) out: they allocate nothing and never panic.
-//! - **Safe.** [`lane`] has the only `unsafe` blocks, for a few instructions.
+//! - **Kernels are pure.** A kernel maps values to (mask, values): it allocates nothing and never panics.
+//! - **Safe.** Only [`lane`] has `unsafe` blocks, for a few instructions.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]

@@ -51,7 +51,7 @@ impl KindCounts {
     }
 }
 
-/// Where the numbers of each kind begin, for packets.
+/// The first number of each kind, for packets.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct KindRanges {
     /// The first number of each kind.
@@ -59,11 +59,11 @@ pub struct KindRanges {
 }
 
 impl KindRanges {
-    /// Returns the ranges of so many primitives.
+    /// Returns the ranges for these counts.
     pub fn new(counts: KindCounts) -> Self {
         Self { first: Kind::ALL.map(|kind| counts.first(kind) as u32) }
     }
-    /// Returns the lanes whose primitive is of this kind; unspecified in lanes without a hit.
+    /// Returns the lanes whose primitive is of this kind; lanes without a hit are unspecified.
     #[inline(always)]
     pub fn are_of_kind<B: Bits>(self, kind: Kind, primitive: B) -> B::Mask {
         let are_below = |end: u32| primitive.less(B::splat(end));
@@ -75,7 +75,7 @@ impl KindRanges {
             (_, Some(&next)) => !are_below(first) & are_below(next),
         }
     }
-    /// Returns the indices of primitives of a kind among those of the kind.
+    /// Returns the primitives' indices among those of their kind.
     #[inline(always)]
     pub fn index_in_kind<B: Bits>(self, kind: Kind, primitive: B) -> B {
         match kind as usize {

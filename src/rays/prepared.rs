@@ -1,18 +1,18 @@
-//! Rays ready for boxes and triangles: what is computed once a ray or packet.
+//! Rays prepared for box and triangle tests: the values that are computed once per ray or packet.
 
 use crate::kernel::ray_box::{BoxRay, Padding};
 use crate::kernel::ray_triangle::WoopRay;
 use crate::lane::{Lane, Native};
 use crate::math::{Ray, Vec3};
 
-/// One ray, ready for boxes and triangles.
+/// One ray, prepared for boxes and triangles.
 #[derive(Clone, Copy)]
 pub struct SingleRay {
     /// The ray itself.
     pub ray: Ray<f32>,
-    /// What box tests need of it.
+    /// The ray in the form that box tests read.
     pub box_ray: BoxRay<f32>,
-    /// What triangle tests need of it.
+    /// The ray in the form that triangle tests read.
     pub woop: WoopRay<f32>,
 }
 
@@ -24,14 +24,14 @@ impl SingleRay {
     }
 }
 
-/// A packet of rays, ready for triangles.
+/// A packet of rays, prepared for triangles.
 pub struct Packet<L: Lane> {
     /// The rays themselves.
     pub ray: Ray<L>,
     pub(crate) woop: WoopRay<L>,
     /// See [`WoopRay::common_axis`].
     pub(crate) axis: Option<u32>,
-    /// Computed for the first hit: many packets hit nothing.
+    /// The ray for box tests, computed for the first hit: many packets hit nothing.
     pub(crate) box_ray: Option<BoxRay<L>>,
 }
 
@@ -44,7 +44,7 @@ impl<L: Lane> Packet<L> {
     }
 }
 
-/// A ray broadcast to all lanes.
+/// Returns a ray broadcast to all lanes.
 #[inline(always)]
 pub(crate) fn splat_box_ray(box_ray: &BoxRay<f32>) -> BoxRay<Native> {
     let all = |v: &Vec3<f32>| v.each_ref().broadcast();

@@ -18,23 +18,23 @@ impl Bounds {
     /// The empty box: the identity of `union`; no ray hits it.
     pub const EMPTY: Self = Self { lo: Vec3::INFINITY, hi: Vec3::NEG_INFINITY };
 
-    /// From its lower and upper corner.
+    /// Creates a box from its lower and upper corner.
     pub const fn new([lo, hi]: [Vec3; 2]) -> Self {
         Self { lo, hi }
     }
-    /// The smallest box that holds both.
+    /// Returns the smallest box that holds both.
     pub fn union(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
-    /// Whether this box holds all points of the other one.
+    /// Tests whether this box holds all points of the other one.
     pub fn contains(self, other: Self) -> bool {
         self.lo.cmple(other.lo).all() && self.hi.cmpge(other.hi).all()
     }
-    /// Whether it holds no point.
+    /// Tests whether the box holds no point.
     pub fn is_empty(self) -> bool {
         !self.lo.cmple(self.hi).all()
     }
-    /// Half the surface area in f64, which holds the square of every f32; 0 for the empty box.
+    /// Returns half the surface area in f64, which holds the square of every f32; 0 for the empty box.
     pub fn half_area(self) -> f64 {
         if self.is_empty() {
             return 0.0;
@@ -52,8 +52,8 @@ impl Bounds {
 pub(super) struct PackedBox(F32x8);
 
 /// Numbers are stored as the bits of floats from 2⁻¹⁰³ upwards. Arithmetic runs over them as over the other
-/// lanes, and some processors take a hundred times as long where an operand or a result is denormal. Two of
-/// these floats differ by 2⁻¹²⁶ at least, the smallest normal float.
+/// lanes, and some processors are a hundred times slower with denormal operands or results. Two of these
+/// floats differ by at least 2⁻¹²⁶, the smallest normal float.
 const NUMBER_BASE: u32 = 0x0C00_0000;
 /// Most primitives of one hierarchy: their numbers stay finite floats, and every leaf has a
 /// reference.
@@ -69,7 +69,7 @@ impl PackedBox {
     pub fn empty() -> Self {
         Self(F32x8::splat(f32::INFINITY))
     }
-    /// The number of the primitive; undefined for unions.
+    /// Returns the number of the primitive; undefined for unions.
     #[inline(always)]
     pub fn number(self) -> u32 {
         bytemuck::cast::<_, [u32; 8]>(self.0)[3] - NUMBER_BASE
@@ -86,22 +86,22 @@ impl PackedBox {
     pub fn lanes(self) -> F32x8 {
         self.0
     }
-    /// The box where `mask` holds, else the empty box. Domain: `mask` is the same in all lanes.
+    /// Returns the box if `mask` is true, else the empty box. Domain: `mask` is the same in all lanes.
     #[inline(always)]
     pub fn only(self, mask: Mask8) -> Self {
         Self(F32x8::select(mask, self.0, F32x8::splat(f32::INFINITY)))
     }
-    /// Lower and upper half exchanged: `−hi`, `lo`.
+    /// Exchanges the lower and the upper half: `−hi`, `lo`.
     #[inline(always)]
     fn swapped(self) -> F32x8 {
         F32x8::pick(bytemuck::cast_ref(&self.0), bytemuck::cast([4, 5, 6, 7, 0, 1, 2, 3]))
     }
-    /// Twice the centre as a box of one point: lo + hi, −(lo + hi).
+    /// Returns twice the centre as a box of one point: lo + hi, −(lo + hi).
     #[inline(always)]
     pub fn center(self) -> Self {
         Self(self.0 - self.swapped())
     }
-    /// hi − lo in lanes 0 to 2, never negative.
+    /// Returns hi − lo in lanes 0 to 2, never negative.
     #[inline(always)]
     pub fn extent(self) -> [f32; 3] {
         let [x, y, z, ..]: [f32; 8] = bytemuck::cast((-(self.0 + self.swapped())).max(F32x8::zero()));
@@ -112,7 +112,7 @@ impl PackedBox {
         let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
         x * y + y * z + z * x
     }
-    /// Half the surface areas of eight boxes, times `scale`²; 0 for empty ones.
+    /// Returns half the surface areas of eight boxes, times `scale`²; 0 for empty ones.
     #[inline(always)]
     pub fn half_areas(boxes: &[Self; 8], scale: F32x8) -> F32x8 {
         let rows: &[[f32; 8]] = bytemuck::cast_slice(boxes);

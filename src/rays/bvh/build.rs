@@ -1,4 +1,4 @@
-//! The build tree: a binary tree by the surface area heuristic, each node with a plan of how to collapse it.
+//! Builds a binary tree by the surface area heuristic; each node has a plan of how to collapse it.
 //!
 //! Nodes are in depth-first order and refer to each other by distance, so that subtrees built by several
 //! threads are joined by copying.
@@ -11,19 +11,19 @@ use crate::kind::{Kind, KindCounts, LEAF};
 use crate::lane::{Mask, Mask8};
 use rayon::join;
 
-/// Larger sets have their halves built by two threads.
+/// Sets larger than this have their halves built by two threads.
 const FORK: usize = 1024;
 
-/// Largest set that becomes a leaf without trying a split by cost.
+/// The largest set that becomes a leaf without trying a split by cost.
 const MAX_UNSPLIT: usize = LEAF / 2;
 
 /// A node of the build tree; its left child is the next node.
 #[derive(Clone, Copy)]
 pub(super) struct BuildNode {
     pub bounds: Bounds,
-    /// Of an inner node, the distance to its right child; of a leaf, the index of its first box.
+    /// In an inner node, the distance to its right child; in a leaf, the index of its first box.
     pub at: u32,
-    /// Number of boxes of a leaf; 0 in inner nodes.
+    /// The number of boxes of a leaf; 0 in inner nodes.
     pub count: u32,
     pub plan: Plan,
 }
@@ -34,13 +34,13 @@ pub(super) struct Builder {
     pub counts: KindCounts,
 }
 
-/// Levels of halving until each part fits a leaf.
+/// Returns how often a set must be halved until each part fits a leaf.
 fn levels(count: usize) -> u32 {
     count.div_ceil(LEAF).next_power_of_two().ilog2()
 }
 
 impl Builder {
-    /// The tree over the boxes, and its costs.
+    /// Builds the tree over the boxes; returns it and its costs.
     pub fn build(&self, boxes: &mut [PackedBox]) -> (Vec<BuildNode>, Costs) {
         let mut nodes = Vec::with_capacity(boxes.len() / 2);
         let set = Set::of(boxes);
@@ -100,7 +100,7 @@ impl Builder {
         kinds.all(|kind| Some(kind) == first)
     }
 
-    /// Splits the set in two; `None` makes it a leaf.
+    /// Splits the set in two; returns `None` if it should be a leaf.
     fn split(
         &self,
         boxes: &mut [PackedBox],

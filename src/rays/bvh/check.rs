@@ -1,4 +1,4 @@
-//! Validity and statistics of a hierarchy, for tests and reports: nothing here is fast.
+//! Checks the validity of a hierarchy and collects statistics, for tests and reports; speed does not matter.
 
 use super::bounds::Bounds;
 use super::cost::LEAF_COST;
@@ -8,33 +8,33 @@ use crate::geometry::Geometry;
 use crate::kind::{Kind, KindCounts, LEAF, Leaf};
 use serde::Serialize;
 
-/// Statistics of a hierarchy. Costs are expected numbers for a random line that meets the root's box: surface
-/// areas over the root's.
+/// The statistics of a hierarchy. Expected numbers are those of a random line that meets the root's box: sums
+/// of surface areas, divided by the root's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Nodes of the wide tree.
+    /// The number of nodes of the wide tree.
     pub wide_nodes: usize,
-    /// 0 where no binary tree is kept, as `binary_depth`.
+    /// The number of nodes of the binary tree; 0 if none is kept.
     pub binary_nodes: usize,
-    /// Leaves of both kinds.
+    /// The number of leaves of both kinds.
     pub leaves: usize,
-    /// Filled slots of a wide node, of [`WIDE`], on average.
+    /// The average number of filled slots in a wide node, of [`WIDE`].
     pub node_fill: f64,
-    /// Primitives of a leaf, of [`LEAF`], on average.
+    /// The average number of primitives in a leaf, of [`LEAF`].
     pub leaf_fill: f64,
-    /// Levels of nodes above the deepest leaf.
+    /// The number of levels of nodes above the deepest leaf.
     pub wide_depth: usize,
-    /// Depth of the binary tree.
+    /// The depth of the binary tree; 0 if none is kept.
     pub binary_depth: usize,
-    /// Expected wide nodes that a random line tests.
+    /// The expected number of wide nodes that a random line tests.
     pub node_visits: f64,
-    /// The same of leaves.
+    /// The expected number of leaves that a random line tests.
     pub leaf_visits: f64,
-    /// The same of primitives.
+    /// The expected number of primitives that a random line tests.
     pub primitive_tests: f64,
-    /// Expected cost of a random line, in tests of a node of [`WIDE`] children: what the builder minimises.
+    /// The expected cost of a random line, in tests of a node of [`WIDE`] children; the builder minimises it.
     pub cost: f64,
-    /// Most references on the stack of a traversal of the wide tree.
+    /// The largest number of references on the stack of a traversal of the wide tree.
     pub stack: usize,
 }
 
@@ -102,7 +102,7 @@ fn expect(holds: bool, otherwise: impl FnOnce() -> String) -> Checked<()> {
 }
 
 impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
-    /// The union of the boxes below a wide node, and the references that it may put on a stack.
+    /// Returns the union of the boxes below a wide node, and the references that it may put on a stack.
     fn node(
         &mut self,
         node: usize,
@@ -176,7 +176,7 @@ impl<F: Fn(usize) -> Bounds> Validator<'_, F> {
         Ok(union)
     }
 
-    /// The union of the boxes below the next binary node.
+    /// Returns the union of the boxes below the next binary node.
     fn binary(&mut self, next: &mut usize, depth: u32, deepest: &mut u32) -> Checked<Bounds> {
         let index = *next;
         let node =

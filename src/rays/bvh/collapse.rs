@@ -1,4 +1,4 @@
-//! From the build tree to what traversals read: wide nodes, leaves, and the binary tree over the same leaves.
+//! Collapses the build tree into wide nodes, leaves, and the binary tree over the same leaves.
 
 use super::bounds::{Bounds, PackedBox};
 use super::build::BuildNode;
@@ -11,9 +11,9 @@ pub(super) struct Collapse<'a> {
     boxes: &'a [PackedBox],
     counts: KindCounts,
     pub wide: Vec<WideNode>,
-    /// `None` with [`super::tree::Trees::Wide`].
+    /// The binary tree; `None` with [`super::tree::Trees::Wide`].
     pub binary: Option<Vec<BinaryNode>>,
-    /// By kind.
+    /// The leaves of each kind.
     pub leaves: [Vec<Leaf>; Kind::ALL.len()],
 }
 
@@ -69,7 +69,7 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// The same for both children: `of_left` trees for the left one, the rest for the right one.
+    /// Puts both children into the slots: `of_left` trees for the left one, the rest for the right one.
     fn children(&mut self, node: usize, (of_left, trees): (usize, usize), slots: &mut Slots) {
         let BuildNode { bounds, at, .. } = self.nodes[node];
         let (left, right) = (node + 1, node + at as usize);
@@ -82,7 +82,7 @@ impl<'a> Collapse<'a> {
         self.forest(right, trees - of_left, slots);
     }
 
-    /// Puts the build node into one slot: as a leaf or as a wide node.
+    /// Puts a build node into one slot, as a leaf or as a wide node.
     fn tree(&mut self, node: usize, slots: &mut Slots) {
         let BuildNode { bounds, plan, .. } = self.nodes[node];
         if plan.is_leaf() {
@@ -122,9 +122,9 @@ impl<'a> Collapse<'a> {
     }
 }
 
-/// The order of two children, in the form of [`BinaryNode::left_first`].
+/// Returns the order of two children, in the form of [`BinaryNode::left_first`].
 fn order_of(left: Bounds, right: Bounds) -> u32 {
-    // Halved first, so that no sum overflows.
+    // The corners are halved first, so that no sum overflows.
     let offset = (left.lo * 0.5 + left.hi * 0.5) - (right.lo * 0.5 + right.hi * 0.5);
     let axis = offset.abs().max_position();
     let left_is_above = u32::from(offset[axis] > 0.0);

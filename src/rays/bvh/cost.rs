@@ -1,4 +1,4 @@
-//! The cost of a hierarchy, and which binary nodes become wide nodes and leaves so that the cost is least.
+//! Chooses the binary nodes that become wide nodes and leaves so that the hierarchy's cost is least.
 //!
 //! The cost of a wide hierarchy is the sum of the half surface areas of its nodes and leaves, each times the
 //! cost of its test ([`LEAF_COST`]): the expected cost of a random ray. Dynamic programming from the leaves
@@ -15,14 +15,14 @@ pub(super) const LEAF_COST: f64 = 1.3;
 
 /// `costs[j − 1]`: the cost of the cheapest forest of at most j trees for a binary node.
 ///
-/// In f64: squares of mixed scales leave f32's range.
+/// Stored in f64, because squares of mixed scales leave f32's range.
 pub(super) struct Costs([f64; WIDE - 1]);
 
 /// The composition of the cheapest forests of a binary node.
 ///
-/// `plan[0]`: 0 if the node as one tree is a leaf, else it is a wide node and the number counts those of its
-/// children that come from the left. `plan[j − 1]`: how many of at most j trees come from the left child; 0
-/// where one tree fewer is as good.
+/// `plan[0]` is 0 if the node as one tree is a leaf; else it is a wide node, and the number counts its
+/// children that come from the left. `plan[j − 1]` counts how many of at most j trees come from the left
+/// child; it is 0 if one tree fewer is as good.
 #[derive(Clone, Copy)]
 pub(super) struct Plan([u8; WIDE - 1]);
 
@@ -32,12 +32,12 @@ impl Plan {
     pub fn is_leaf(self) -> bool {
         self.0[0] == 0
     }
-    /// Most children that the wide node over this node takes from its left child.
+    /// Returns how many children at most the wide node over this node takes from its left child.
     pub fn left_of_node(self) -> usize {
         self.0[0] as usize
     }
-    /// How many of at most `trees` trees come from the left child, and how many there are in all; `None` for
-    /// a single tree.
+    /// Returns how many of at most `trees` trees come from the left child, and how many there are in all;
+    /// `None` means a single tree.
     pub fn left_of_forest(self, trees: usize) -> Option<(usize, usize)> {
         let fewest = (2..=trees).rev().find(|&j| self.0[j - 1] > 0)?;
         Some((self.0[fewest - 1] as usize, fewest))
@@ -45,7 +45,7 @@ impl Plan {
 }
 
 impl Costs {
-    /// The cost of the cheapest single tree.
+    /// Returns the cost of the cheapest single tree.
     #[cfg(test)]
     pub fn of_tree(&self) -> f64 {
         self.0[0]
@@ -53,13 +53,13 @@ impl Costs {
     pub fn of_leaf(half_area: f64) -> Self {
         Self([LEAF_COST * half_area; WIDE - 1])
     }
-    /// Whether two leaves whose half surface areas sum to `halves` are cheaper than this leaf.
+    /// Tests whether two leaves whose half surface areas sum to `halves` are cheaper than this leaf.
     pub fn improved_by_split(&self, halves: f64) -> bool {
         LEAF_COST * halves < self.0[0]
     }
 
-    /// For an inner binary node: from its half surface area, the costs of its children, and those of the leaf
-    /// that it may become.
+    /// Returns the costs and the plan of an inner binary node, from its half surface area, the costs of its
+    /// children, and the costs of the leaf that it may become.
     pub fn of_inner(half_area: f64, (left, right): (&Self, &Self), leaf: Option<Self>) -> (Self, Plan) {
         let cheapest = |trees: usize| {
             let mut best = (f64::INFINITY, 0);

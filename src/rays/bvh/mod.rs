@@ -1,16 +1,16 @@
-//! The bounding volume hierarchy over the boxes of primitives: how it is built, and what traversals
+//! The bounding volume hierarchy over the boxes of primitives: its builder, and the nodes that traversals
 //! read.
 //!
 //! | file | what it does |
 //! |---|---|
 //! | `bounds` | axis-aligned boxes, and boxes packed so that a union is one instruction |
 //! | `node` | nodes and leaves as traversals read them, and the limits that traversals rely on |
-//! | `split` | where to split a set of boxes in two: surface area heuristic over bins, median |
-//! | `cost` | the cost of a hierarchy, and the cheapest way to collapse it |
-//! | `build` | the binary build tree |
-//! | `collapse` | from the build tree to wide nodes, leaves, and the binary tree over the same leaves |
-//! | `tree` | [`Bvh`]: all of it in one call |
-//! | [`check`] | validity and statistics |
+//! | `split` | splits a set of boxes in two: surface area heuristic over bins, median |
+//! | `cost` | computes the cost of a hierarchy and the cheapest way to collapse it |
+//! | `build` | builds the binary tree |
+//! | `collapse` | turns it into wide nodes, leaves, and a binary tree over the same leaves |
+//! | `tree` | runs all of these in one call: [`Bvh`] |
+//! | [`check`] | checks validity and collects statistics |
 //!
 //! # What a traversal may rely on
 //! - Every primitive is in exactly one leaf; a leaf holds 1 to [`LEAF`] primitives of one kind, ascending.

@@ -6,12 +6,12 @@ use crate::lane::{Bits, Mask, NATIVE_WIDTH, NativeBits, prefetch, set_bits};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// Children of a wide node: as many as one vector tests at once.
+/// The number of children of a wide node: as many as one vector tests at once.
 pub const WIDE: usize = NATIVE_WIDTH;
-/// Most levels from the root to a leaf. Splits by cost may be lopsided; where they would lead deeper, sets
-/// are halved, which takes 27 levels for [`super::MAX_PRIMITIVES`].
+/// The largest number of levels from the root to a leaf. Splits by cost may be lopsided; if they would lead
+/// deeper, sets are halved, which takes 27 levels for [`super::MAX_PRIMITIVES`].
 pub const MAX_DEPTH: u32 = 48;
-/// Most references on the stack of a traversal of the wide tree: each level leaves all but one child behind.
+/// The largest stack of a traversal of the wide tree: each level leaves all but one child behind.
 pub const MAX_STACK: usize = (WIDE - 1) * MAX_DEPTH as usize + 1;
 
 /// The reference of a child slot: to a node, to a leaf of a kind of primitive, or to nothing.
@@ -41,7 +41,7 @@ impl Child {
             Kind::Triangle => 0,
         }
     }
-    /// Whether it is a leaf, not a node.
+    /// Tests whether the reference is to a leaf.
     #[inline(always)]
     pub fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
@@ -51,7 +51,7 @@ impl Child {
     pub const fn kind(self) -> Kind {
         if self.0 & Self::SPHERES != 0 { Kind::Sphere } else { Kind::Triangle }
     }
-    /// The index of a node, or of a leaf among those of its kind.
+    /// Returns the index of a node, or of a leaf among those of its kind.
     #[inline(always)]
     pub fn index(self) -> usize {
         (self.0 & Self::INDEX) as usize
@@ -73,18 +73,18 @@ const _: () = {
 pub struct WideNode {
     planes: [[f32; WIDE]; 6],
     children: [Child; WIDE],
-    /// Padding: every node starts a cache line.
+    /// Padding, so that every node starts a cache line.
     unused: [u32; WIDE],
 }
 
-/// The slots of a node that are set in `bits`, in ascending order. The mask spares bounds checks.
+/// Iterates over the slots that are set in `bits`, in ascending order. The mask saves bounds checks.
 #[inline(always)]
 pub fn slots(bits: u32) -> impl Iterator<Item = usize> {
     set_bits(bits).map(|slot| slot & (WIDE - 1))
 }
 
 impl WideNode {
-    /// No child.
+    /// A node without children.
     pub const EMPTY: Self = {
         let (lo, hi) = ([f32::INFINITY; WIDE], [f32::NEG_INFINITY; WIDE]);
         Self { planes: [lo, lo, lo, hi, hi, hi], children: [Child::NONE; WIDE], unused: [0; WIDE] }
@@ -97,51 +97,51 @@ impl WideNode {
         }
         self.children[slot] = child;
     }
-    /// Filled slots come first.
+    /// Returns the slots; filled slots come first.
     #[inline(always)]
     pub fn children(&self) -> &[Child; WIDE] {
         &self.children
     }
-    /// The slots of nodes, one bit each.
+    /// Returns the slots of nodes, one bit each.
     #[inline(always)]
     pub fn nodes(&self) -> u32 {
         self.slots_of(0)
     }
-    /// The slots of leaves of triangles, one bit each.
+    /// Returns the slots of leaves of triangles, one bit each.
     #[inline(always)]
     pub fn triangle_leaves(&self) -> u32 {
         self.slots_of(Child::leaf(Kind::Triangle, 0).0)
     }
-    /// The slots whose references have just these of the bits outside [`Child::INDEX`].
+    /// Returns the slots whose references have exactly these bits outside [`Child::INDEX`].
     #[inline(always)]
     fn slots_of(&self, flags: u32) -> u32 {
         let children = NativeBits::load(bytemuck::cast_slice(&self.children));
         (children & NativeBits::splat(!Child::INDEX)).equals(NativeBits::splat(flags)).bitmask()
     }
-    /// Number of filled slots.
+    /// Returns the number of filled slots.
     pub fn filled(&self) -> usize {
         self.children.iter().filter(|&&child| child != Child::NONE).count()
     }
-    /// The planes of the children's boxes, one a slot: the lower ones along x, y, z, then the upper ones.
-    /// Empty slots have lower planes of +∞ and upper planes of −∞.
+    /// Returns the planes of the children's boxes, one per slot: the lower ones along x, y, z, then the upper
+    /// ones. Empty slots have lower planes of +∞ and upper planes of −∞.
     #[inline(always)]
     pub fn planes(&self) -> &[[f32; WIDE]; 6] {
         &self.planes
     }
-    /// The planes as six rows, and the two rows of references and padding behind them: a power of two, so
-    /// that `& 7` keeps a row index inside without a bounds check.
+    /// Returns six rows of planes and, behind them, the two rows of references and padding: a power of two,
+    /// so that `& 7` keeps a row index inside without a bounds check.
     #[inline(always)]
     pub fn boxes(&self) -> &[[f32; WIDE]; 8] {
         bytemuck::cast_ref(self)
     }
-    /// Fetches what a traversal reads of it.
+    /// Fetches the cache lines that a traversal reads.
     #[inline(always)]
     pub fn prefetch(&self) {
         // The last row is unused.
         prefetch(&self.planes);
         prefetch(&self.children);
     }
-    /// The box of a child.
+    /// Returns the box of a child.
     pub fn bounds(&self, slot: usize) -> Bounds {
         let [a, b, c, x, y, z] = self.planes.each_ref().map(|plane| plane[slot]);
         Bounds { lo: Vec3::new(a, b, c), hi: Vec3::new(x, y, z) }
@@ -154,11 +154,11 @@ impl WideNode {
 #[repr(C, align(32))]
 pub struct BinaryNode {
     lo: [f32; 3],
-    /// The right child of an inner node; a leaf's reference.
+    /// The right child of an inner node, or the reference of a leaf.
     child: Child,
     hi: [f32; 3],
-    /// The axis along which the centres of the children's boxes are furthest apart; bit 2 is set where the
-    /// left child is the upper one.
+    /// The axis along which the centres of the children's boxes are furthest apart; bit 2 is set if the left
+    /// child is the upper one.
     order: u32,
 }
 
@@ -166,18 +166,18 @@ impl BinaryNode {
     pub(super) fn new(bounds: Bounds, child: Child, order: u32) -> Self {
         Self { lo: bounds.lo.to_array(), child, hi: bounds.hi.to_array(), order }
     }
-    /// The right child of an inner node; a leaf's reference.
+    /// Returns the right child of an inner node, or the reference of a leaf.
     #[inline(always)]
     pub fn child(&self) -> Child {
         self.child
     }
-    /// The node's box.
+    /// Returns the node's box.
     #[inline(always)]
     pub fn bounds(&self) -> Bounds {
         Bounds { lo: self.lo.into(), hi: self.hi.into() }
     }
-    /// Whether a ray meets the left child first. Bit `axis` of `upwards` is set where the ray's direction is
-    /// positive along that axis.
+    /// Tests whether a ray meets the left child first. Bit `axis` of `upwards` is set if the ray's direction
+    /// is positive along that axis.
     #[inline(always)]
     pub fn left_first(&self, upwards: u32) -> bool {
         (upwards >> (self.order & 3) & 1) != (self.order >> 2)

@@ -1,16 +1,16 @@
-//! Where to split a set of boxes in two: the surface area heuristic over bins, and the median where it fails.
+//! Splits a set of boxes in two: by the surface area heuristic over bins, or at the median where that fails.
 //!
 //! Source: Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007. The result does not
 //! depend on the number of threads: bins are integer sums and minima, which are the same in any order, and
-//! long slices are halved at places that depend on their lengths alone.
+//! long slices are halved at places that depend only on their lengths.
 
 use super::bounds::PackedBox;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8, U32x8};
 use rayon::join;
 
-/// Bins along each axis: two packets of costs.
+/// The number of bins along each axis: two packets of costs.
 const BINS: usize = 16;
-/// Longest slice that one thread bins or partitions; longer ones are halved over two threads.
+/// The longest slice that one thread bins or partitions; longer ones are halved over two threads.
 const MAX_SEQUENTIAL: usize = 8192;
 
 /// The bounds of a set of boxes, and the bounds of their (doubled) centres.
@@ -57,13 +57,13 @@ struct Grid {
 
 impl Grid {
     fn new(centers: PackedBox) -> Self {
-        // Below BINS, so that the last centre falls into the last bin. Centres that differ by less than f32
-        // can divide by share one bin.
+        // Below BINS, so that the last centre falls into the last bin. Centres share one bin if they differ
+        // by less than f32 can divide by.
         const NEARLY_ALL: f32 = BINS as f32 * 0.999_99;
         let [x, y, z] = centers.extent().map(|e| if e > 1e-34 { NEARLY_ALL / e } else { 0.0 });
         Self { origin: centers.lanes(), scale: bytemuck::cast([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]) }
     }
-    /// Every index is below [`BINS`].
+    /// Returns the bin of a box along each axis, always below [`BINS`].
     #[inline(always)]
     fn bins(&self, of: PackedBox) -> [usize; 3] {
         let at = (of.center().lanes() - self.origin) * self.scale;
@@ -102,18 +102,18 @@ impl Bins {
         filled
     }
 
-    /// The cheapest split, the lowest axis and bin among equals; `None` if all centres share a bin on every
-    /// axis.
+    /// Returns the cheapest split, with the lowest axis and bin among equals; `None` if all centres share a
+    /// bin on every axis.
     ///
-    /// `block` primitives are tested together, so the cost of a side is its surface area times the blocks
-    /// that it fills.
+    /// `block` primitives are tested together, so the cost of a side is its surface area times the number of
+    /// blocks that it fills.
     fn cheapest(&self, scale: f32, block: u32) -> Option<(usize, usize, f32)> {
         let scale = F32x8::splat(scale);
         let (mut best, mut place) = (F32x8::splat(f32::INFINITY), U32x8::splat(0));
         for axis in 0..3 {
             let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
-            // Sides of the split before bin i + 1, for i from 0; the last has an empty right side and is no
-            // split.
+            // The sides of the split before bin i + 1, for i from 0; the last has an empty right side and is
+            // no split.
             let mut left = [PackedBox::empty(); BINS];
             let mut right = [PackedBox::empty(); BINS];
             let mut weights = [[0.0; BINS]; 2];
@@ -155,8 +155,8 @@ impl Bins {
     }
 }
 
-/// The cheapest split of `boxes`, whose bounds are `set`, by the surface area heuristic; `None` if all share
-/// their bins.
+/// Returns the cheapest split of `boxes`, whose bounds are `set`, by the surface area heuristic; `None` if
+/// all share their bins.
 pub(super) fn cheapest_split(boxes: &[PackedBox], set: &Set, block: u32) -> Option<Split> {
     let longest = set.bounds.extent().into_iter().fold(0.0, f32::max);
     // Surface areas in units of the longest edge, so that no square overflows; boxes without extent cost 0.
@@ -178,7 +178,7 @@ pub(super) fn partition(boxes: &mut [PackedBox], set: &Set, split: &Split) -> (u
     partition_by(boxes, &before)
 }
 
-/// Reorders the boxes so that those for which `left` holds come first. Domain: `left` is the same in all
+/// Reorders the boxes so that those for which `left` is true come first. Domain: `left` is the same in all
 /// lanes.
 pub(super) fn partition_by(
     boxes: &mut [PackedBox],
@@ -188,14 +188,14 @@ pub(super) fn partition_by(
         let half = boxes.len() / 2;
         let (low, high) = boxes.split_at_mut(half);
         let (low, high) = join(|| partition_by(low, left), || partition_by(high, left));
-        // Now left, right, left, right: swap the shorter of the two middle runs with the end of the other.
+        // The order is now left, right, left, right: swap the shorter middle run with the end of the other.
         let moved = (half - low.0).min(high.0);
         let (front, back) = boxes.split_at_mut(half);
         front[low.0..low.0 + moved].swap_with_slice(&mut back[high.0 - moved..high.0]);
         return (low.0 + high.0, low.1.union(high.1), low.2.union(high.2));
     }
-    // Branch-free, as half of the branches would be mispredicted: every box is swapped with the first one on
-    // the right.
+    // Branch-free, because half of the branches would be mispredicted: every box is swapped with the first
+    // one on the right.
     let mut count = 0;
     let (mut low, mut high) = (Set::empty(), Set::empty());
     for i in 0..boxes.len() {
@@ -211,8 +211,8 @@ pub(super) fn partition_by(
     (count, low, high)
 }
 
-/// Median split, rounded up to whole blocks, along the axis on which the centres are furthest apart; equal
-/// centres are split in the order in which they are. Halves the set for any boxes.
+/// Splits at the median, rounded up to whole blocks, along the axis on which the centres are furthest apart;
+/// equal centres keep their order. Any boxes are halved.
 pub(super) fn halve(boxes: &mut [PackedBox], set: &Set, block: usize) -> (usize, Set, Set) {
     let middle = boxes.len().div_ceil(block).div_ceil(2) * block;
     let extent = set.centers.extent();

@@ -1,4 +1,4 @@
-//! The hierarchy in one call: boxes, build tree, collapse.
+//! Builds a hierarchy in one call: boxes, build tree, collapse.
 
 use super::bounds::{Bounds, MAX_PRIMITIVES, PackedBox};
 use super::build::Builder;
@@ -8,12 +8,12 @@ use crate::geometry::Geometry;
 use crate::kind::{Kind, KindCounts, Leaf};
 use rayon::prelude::*;
 
-/// Which trees to keep over the leaves.
+/// The trees to keep over the leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trees {
-    /// The wide tree alone.
+    /// Only the wide tree.
     Wide,
-    /// The binary tree too: only the scalar baseline reads it (room `traverse`, file `scalar`).
+    /// The binary tree too, which only the scalar baseline reads (file `traverse/scalar`).
     WideAndBinary,
 }
 
@@ -22,11 +22,11 @@ pub enum Trees {
 pub struct Bvh {
     /// The wide tree, the root first.
     pub wide: Vec<WideNode>,
-    /// Over the same leaves; empty with [`Trees::Wide`].
+    /// The binary tree over the same leaves; empty with [`Trees::Wide`].
     pub binary: Vec<BinaryNode>,
     /// The leaves of each kind.
     pub leaves: [Vec<Leaf>; Kind::ALL.len()],
-    /// Around everything.
+    /// The box around everything.
     pub bounds: Bounds,
 }
 
@@ -42,7 +42,7 @@ impl Bvh {
     /// Domain: boxes are not empty, and neither coordinates nor extents leave ±1e19.
     ///
     /// # Panics
-    /// With more than [`MAX_PRIMITIVES`].
+    /// If there are more than [`MAX_PRIMITIVES`].
     pub fn of_boxes(counts: KindCounts, trees: Trees, bounds: impl Fn(usize) -> Bounds + Sync) -> Self {
         let count = counts.total();
         assert!(count <= MAX_PRIMITIVES, "{count} primitives; at most {MAX_PRIMITIVES} fit a hierarchy");
@@ -58,13 +58,13 @@ impl Bvh {
         Self { wide, binary: binary.unwrap_or_default(), leaves, bounds }
     }
 
-    /// The primitives of a leaf.
+    /// Returns the primitives of a leaf.
     #[inline(always)]
     pub fn leaf(&self, leaf: Child) -> &Leaf {
         &self.leaves[leaf.kind() as usize][leaf.index()]
     }
 
-    /// Bytes held.
+    /// Returns the size in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.wide.as_slice())
             + size_of_val(self.binary.as_slice())

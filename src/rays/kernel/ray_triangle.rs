@@ -3,11 +3,11 @@
 //! Woop's watertight test: the vertices are transformed into a space where the ray is the z axis, and three
 //! edge functions are compared with zero, edges included.
 //!
-//! Watertight because (1) a vertex is transformed to the same 2D point in every triangle that shares it, and
-//! (2) an edge function is the difference of two rounded products, so that both triangles of an edge compute
-//! exactly opposite numbers. For (2) the edge functions must not be contracted to FMA; the shear may. No
-//! fallback to double precision: an edge function that is exactly zero counts as inside, so both triangles
-//! may report the hit, and none is lost.
+//! The test is watertight because (1) a vertex is transformed to the same 2D point in every triangle that
+//! shares it, and (2) an edge function is the difference of two rounded products, so that both triangles of
+//! an edge compute exactly opposite numbers. For (2) the edge functions must not be contracted to FMA; the
+//! shear may. An edge function that is exactly zero counts as inside, so both triangles may report the hit,
+//! and none is lost.
 //!
 //! Departures from the paper: axes are not swapped to keep the winding (both sides count), there is no
 //! fallback to double precision, and a packet orders the components of a vertex with one register permutation
@@ -39,53 +39,53 @@ pub struct TriangleHit<L: Lane> {
 }
 
 impl<L: Lane> TriangleHit<L> {
-    /// No hit.
+    /// Returns a miss in every lane.
     #[inline(always)]
     pub fn none(limit: L) -> Self {
         Self { mask: L::Mask::splat(false), t: limit, u: L::zero(), v: L::zero() }
     }
 }
 
-/// The result of testing a pair of triangles of which each ray hits at most one.
+/// The result of testing a pair of triangles; each ray hits at most one of the two.
 #[derive(Clone, Copy, Debug)]
 pub struct PairHit<L: Lane> {
-    /// The hits.
+    /// The hits of either triangle.
     pub hit: TriangleHit<L>,
-    /// The lanes whose hit is of the second triangle.
+    /// The lanes that hit the second triangle.
     pub is_second: L::Mask,
 }
 
-/// Each vertex as x y z x y in a row of eight, so that the components from any axis on are in cyclic order
-/// and fit one register. The last three numbers of the first and second row are the lower and upper corner of
-/// the triangle's box; the sixth of the third row is 1 where the successor continues the triangle, else 0.
+/// A triangle as three rows of eight: each vertex as x y z x y, so that the components from any axis on are
+/// in cyclic order and fit one register. The last three numbers of the first and second row are the corners
+/// of the triangle's box; the sixth of the third row is 1 if the successor continues the triangle, else 0.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub struct WoopTriangle {
     rows: [[f32; 8]; 3],
 }
 
-/// Where the third row says whether the successor continues the triangle.
+/// The index in the third row of the flag that the successor continues the triangle.
 const LINKED: usize = 5;
 
 /// The space in which the ray is the z axis: an order of axes and a shear.
 #[derive(Clone, Copy)]
 pub struct WoopRay<L: Lane> {
-    /// The axis, 0 to 2, along which the direction is longest: it becomes z. The next two, cyclically, become
-    /// x and y.
+    /// The axis, 0 to 2, along which the direction is longest, which becomes z. The next two, cyclically,
+    /// become x and y.
     z_axis: L::Bits,
-    /// The origin in that order.
+    /// The origin in that order of axes.
     origin: Vec3<L>,
-    /// x and y per z, and −1 per z: what is sheared is the origin relative to a vertex.
+    /// The shear of x and y per z, and −1 per z: the sheared vector is the origin relative to a vertex.
     shear: Vec3<L>,
 }
 
 impl<L: Lane> WoopRay<L> {
-    /// The axis that becomes z, the origin in the ray's order of axes, and the shear, for storage as columns.
+    /// Returns the axis that becomes z, the origin in the ray's order of axes, and the shear, to be stored.
     #[inline(always)]
     pub fn into_parts(self) -> (L::Bits, Vec3<L>, Vec3<L>) {
         (self.z_axis, self.origin, self.shear)
     }
-    /// A prepared ray of what was stored of one.
+    /// Restores a prepared ray from its stored parts.
     #[inline(always)]
     pub fn from_parts(z_axis: L::Bits, origin: Vec3<L>, shear: Vec3<L>) -> Self {
         Self { z_axis, origin, shear }
@@ -111,7 +111,7 @@ impl<L: Lane> WoopRay<L> {
         Self { z_axis, origin: order(ray.origin), shear }
     }
 
-    /// A point in the ray's order of axes.
+    /// Returns a point in the ray's order of axes.
     #[inline(always)]
     pub fn in_order(&self, point: Vec3<L>) -> Vec3<L> {
         let is = |axis: u32| self.z_axis.equals(L::Bits::splat(axis));
@@ -121,7 +121,7 @@ impl<L: Lane> WoopRay<L> {
         Vec3::new(pick(y, z, x), pick(z, x, y), pick(x, y, z))
     }
 
-    /// A vertex in the ray's order of axes.
+    /// Returns a vertex in the ray's order of axes.
     #[inline(always)]
     fn vertex(&self, row: &[f32; 8]) -> Vec3<L> {
         let pick = |steps: u32| L::pick(row, self.z_axis.wrapping_add(L::Bits::splat(steps)));
@@ -133,17 +133,17 @@ impl<L: Lane> WoopRay<L> {
         [self.vertex(&triangle.rows[0]), self.vertex(&triangle.rows[1]), self.vertex(&triangle.rows[2])]
     }
 
-    /// Tests a triangle; `None` if no ray hits it. The caller compares the t of hits once it is clamped to
-    /// [`WoopTriangle::own_box`].
+    /// Tests a triangle; returns `None` if no ray hits it. The caller compares the t of hits after clamping
+    /// it to [`WoopTriangle::own_box`].
     #[inline(always)]
     pub fn test(&self, triangle: &WoopTriangle) -> Option<TriangleHit<L>> {
         crossing((self.origin, self.shear), self.vertices(triangle)).hit(self.shear)
     }
 
-    /// Tests a linked triangle and its successor, or returns `None` if some ray may hit both: it passes their
-    /// common edge, or they are degenerate. Then test one after the other.
+    /// Tests a linked triangle and its successor. Returns `None` if some ray may hit both, because it passes
+    /// their common edge or they are degenerate: the caller then tests one after the other.
     ///
-    /// The vertices that a, b, c and a, c, d share are transformed once, and each lane goes on with the
+    /// The vertices that a, b, c and a, c, d share are transformed once. Each lane continues with the
     /// triangle that its line passes.
     #[inline(always)]
     pub fn test_pair(&self, [first, second]: [&WoopTriangle; 2]) -> Option<PairHit<L>> {
@@ -152,7 +152,7 @@ impl<L: Lane> WoopRay<L> {
         let shear = |v| sheared(self.shear, v);
         let (pa, pb, pc, pd) = (shear(a), shear(b), shear(c), shear(d));
         let first = [edge_function(pc, pb), edge_function(pa, pc), edge_function(pb, pa)];
-        // The last one is that of the first triangle with its sign changed, but for the sign of zeros.
+        // The last one is that of the first triangle with opposite sign, except for the sign of zeros.
         let second = [edge_function(pd, pc), edge_function(pa, pd), edge_function(pc, pa)];
         let (in_first, in_second) = (inside(first), inside(second));
         if (in_first & in_second).any() {
@@ -175,8 +175,8 @@ impl WoopTriangle {
         Self { rows: [row(a, lo), row(b, hi), row(c, glam::Vec3::ZERO)] }
     }
 
-    /// Returns the lower and upper corner of the triangle's own box, to which hits are restricted: see
-    /// [`crate::kernel::ray_box::own_box`]. So the order of tests does not change the closest hit.
+    /// Returns the lower and upper corner of the triangle's own box, to which hits are restricted
+    /// ([`crate::kernel::ray_box::own_box`]). The order of tests therefore does not change the closest hit.
     #[inline(always)]
     pub fn own_box(&self) -> [glam::Vec3; 2] {
         let corner = |row: usize| {
@@ -187,7 +187,7 @@ impl WoopTriangle {
     }
 
     /// Links triangles to successors that continue them: a, b, c before a, c, d, as polygons are cut. No
-    /// triangle is in two such pairs.
+    /// triangle belongs to two pairs.
     pub fn link_pairs(triangles: &mut [Self]) {
         let vertex = |triangle: &Self, row: usize| <[f32; 3]>::try_from(&triangle.rows[row][..3]).ok();
         let mut index = 1;
@@ -201,43 +201,43 @@ impl WoopTriangle {
         }
     }
 
-    /// Returns whether the successor continues this triangle: then [`WoopRay::test_pair`] takes both.
+    /// Tests whether the successor continues this triangle: then [`WoopRay::test_pair`] tests both.
     #[inline(always)]
     pub fn is_linked(&self) -> bool {
         self.rows[2][LINKED] != 0.0
     }
 }
 
-/// Woop's test of rays, given by origin and shear, against triangles, all in the rays' order of axes, before
-/// the division.
+/// Applies Woop's test, up to the division, to rays given by origin and shear, and to triangles, all in the
+/// rays' order of axes.
 #[inline(always)]
 fn crossing<L: Lane>((origin, shear): (Vec3<L>, Vec3<L>), [a, b, c]: [Vec3<L>; 3]) -> Crossing<L> {
-    // Not the vertices relative to the origin: only what is subtracted can be read from memory by the
-    // subtraction itself. Edge functions are the same.
+    // Not the vertices relative to the origin: only the subtrahend can be read from memory by the subtraction
+    // itself. The edge functions are the same.
     let (a, b, c) = (origin - a, origin - b, origin - c);
     let (pa, pb, pc) = (sheared(shear, a), sheared(shear, b), sheared(shear, c));
     let edges = [edge_function(pc, pb), edge_function(pa, pc), edge_function(pb, pa)];
     Crossing::new(shear, inside(edges), [a.z, b.z, c.z], edges)
 }
 
-/// The x and y of a vertex in the space of the ray. What is subtracted is the vertex and not the product: a
+/// Returns x and y of a vertex in the space of the ray. The vertex is subtracted and not the product: a
 /// negated shear would be broadcast to the lanes once more.
 #[inline(always)]
 fn sheared<L: Lane>(shear: Vec3<L>, v: Vec3<L>) -> (L, L) {
     (shear.x.mul_add(v.z, -v.x), shear.y.mul_add(v.z, -v.y))
 }
 
-/// The lanes whose edge functions have the same sign, zero included: their lines pass the triangle.
+/// Returns the lanes whose edge functions have the same sign, zero included: their lines pass the triangle.
 #[inline(always)]
 fn inside<L: Lane>([u, v, w]: [L; 3]) -> L::Mask {
     let (least, most) = (u.min(v).min(w), u.max(v).max(w));
     L::zero().le(least) | most.le(L::zero())
 }
 
-/// Where lines pass triangles, before the division.
+/// The crossings of lines and triangles, before the division.
 struct Crossing<L: Lane> {
-    /// The lanes whose lines pass their triangle, not behind the origin. A few that miss are among them:
-    /// their t is zero, infinite or NaN.
+    /// The lanes whose lines pass their triangle, not behind the origin. A few of them miss: their t is zero,
+    /// infinite or NaN.
     ahead: L::Mask,
     /// The distance along z, times the determinant.
     z: L,
@@ -249,19 +249,19 @@ struct Crossing<L: Lane> {
 }
 
 impl<L: Lane> Crossing<L> {
-    /// The crossings of the lanes that are `inside` their triangles, from the z of the origin relative to
-    /// the vertices and the edge functions of the opposite edges.
+    /// Returns the crossings of the lanes that are `inside` their triangles. The arguments are the z of the
+    /// origin relative to the vertices and the edge functions of the opposite edges.
     #[inline(always)]
     fn new(shear: Vec3<L>, inside: L::Mask, [az, bz, cz]: [L; 3], [u, v, w]: [L; 3]) -> Self {
         let determinant = u + v + w;
         let z = u.mul_add(az, v.mul_add(bz, w * cz));
-        // Rays that leave a surface have t < 0 with it. The sign of t takes no division: it is that of the
-        // product, the sign bits combined.
+        // A ray that leaves a surface has t < 0 with it. The sign of t needs no division: it is the sign of
+        // the product, and comes from combining the sign bits.
         let sign = L::from_bits(z.to_bits() ^ determinant.to_bits() ^ shear.z.to_bits());
         Self { ahead: inside & !sign.is_sign_negative(), z, determinant, v, w }
     }
 
-    /// The hits; `None` if no line passes its triangle ahead.
+    /// Returns the hits, or `None` if no line passes its triangle ahead.
     #[inline(always)]
     fn hit(&self, shear: Vec3<L>) -> Option<TriangleHit<L>> {
         if !self.ahead.any() {
@@ -275,30 +275,30 @@ impl<L: Lane> Crossing<L> {
     }
 }
 
-/// p.x q.y − p.y q.x as two rounded products: no mul_add here, or edges leak.
+/// Returns p.x q.y − p.y q.x as two rounded products: with mul_add, edges would leak.
 #[inline(always)]
 fn edge_function<L: Lane>(p: (L, L), q: (L, L)) -> L {
     p.0 * q.1 - p.1 * q.0
 }
 
-/// Triangles as a structure of arrays, as many as one vector has lanes: three vertices of three components;
-/// NaN where there is none.
+/// As many triangles as one vector has lanes, as a structure of arrays: three vertices of three components,
+/// NaN in unused lanes.
 pub type TriangleBlock = [[[f32; NATIVE_WIDTH]; 3]; 3];
 
-/// [`WoopRay`] of one ray where it is stored, whose numbers a test reads straight into all lanes.
+/// A reference to one stored [`WoopRay`], whose numbers a test reads straight into all lanes.
 #[derive(Clone, Copy)]
 pub struct StoredWoopRay<'a> {
-    /// As in [`WoopRay`].
+    /// See [`WoopRay`].
     pub z_axis: u32,
-    /// As in [`WoopRay`].
+    /// See [`WoopRay`].
     pub origin: Vec3<&'a f32>,
-    /// As in [`WoopRay`].
+    /// See [`WoopRay`].
     pub shear: Vec3<&'a f32>,
 }
 
 impl StoredWoopRay<'_> {
-    /// Those of a block's triangles, one a lane, that the ray's line passes, not behind its origin: all that
-    /// [`WoopRay::test_one`] hits, and few others.
+    /// Returns the triangles of a block, one per lane, that the ray's line passes, not behind its origin.
+    /// They include all that [`WoopRay::test_one`] hits, and few others.
     #[inline(always)]
     pub fn candidates(&self, triangles: &TriangleBlock) -> NativeMask {
         let [x, y, z] = ORDERS[(self.z_axis & 3) as usize];
@@ -310,13 +310,13 @@ impl StoredWoopRay<'_> {
 }
 
 impl WoopRay<f32> {
-    /// The ray where it is.
+    /// Returns a reference to the stored ray.
     #[inline(always)]
     pub fn stored(&self) -> StoredWoopRay<'_> {
         StoredWoopRay { z_axis: self.z_axis, origin: self.origin.each_ref(), shear: self.shear.each_ref() }
     }
 
-    /// One ray against one triangle given by its vertices.
+    /// Tests one ray against one triangle given by its vertices.
     #[inline(always)]
     pub fn test_one(&self, vertices: [Vec3<f32>; 3]) -> Option<TriangleHit<f32>> {
         let order = ORDERS[(self.z_axis & 3) as usize];
@@ -329,21 +329,21 @@ impl WoopRay<f32> {
 }
 
 impl<L: Lane> WoopRay<L> {
-    /// The axis that becomes z, if it is the same in all lanes.
+    /// Returns the axis that becomes z, if it is the same in all lanes.
     #[inline(always)]
     pub fn common_axis(&self) -> Option<u32> {
         let first = self.z_axis.get(0);
         self.z_axis.equals(L::Bits::splat(first)).all().then_some(first)
     }
 
-    /// Each ray against the triangle of its lane, given by its vertices.
+    /// Tests each ray against the triangle of its lane, given by its vertices.
     #[inline(always)]
     pub fn test_each(&self, [a, b, c]: [Vec3<L>; 3]) -> Option<TriangleHit<L>> {
         let vertices = [self.in_order(a), self.in_order(b), self.in_order(c)];
         crossing((self.origin, self.shear), vertices).hit(self.shear)
     }
 
-    /// A packet whose rays all have the z axis `axis` against one triangle of a block.
+    /// Tests a packet whose rays all have the z axis `axis` against one triangle of a block.
     #[inline(always)]
     pub fn test_lane_along(
         &self,
@@ -354,8 +354,8 @@ impl<L: Lane> WoopRay<L> {
         self.crossing_along(axis, triangles, lane).hit(self.shear)
     }
 
-    /// Whether the line of any of these rays passes the triangle, not behind the origin: wherever
-    /// [`WoopRay::test_lane_along`] finds a hit, and seldom elsewhere.
+    /// Tests whether the line of any of these rays passes the triangle, not behind the origin. The result is
+    /// true wherever [`WoopRay::test_lane_along`] finds a hit, and seldom elsewhere.
     #[inline(always)]
     pub fn is_lane_candidate(&self, axis: u32, triangles: &TriangleBlock, lane: usize) -> bool {
         self.crossing_along(axis, triangles, lane).ahead.any()
@@ -373,6 +373,6 @@ impl<L: Lane> WoopRay<L> {
     }
 }
 
-/// The axes that become x, y and z, indexed by the one that becomes z. Four entries, so that `& 3` drops the
-/// bounds check.
+/// The axes that become x, y and z, indexed by the axis that becomes z. It has four entries, so that `& 3`
+/// removes the bounds check.
 const ORDERS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];

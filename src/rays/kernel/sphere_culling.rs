@@ -1,4 +1,4 @@
-//! Culling of spheres: a conservative test, cheaper than that of [`super::ray_sphere`].
+//! A conservative culling test for spheres, cheaper than the test of [`super::ray_sphere`].
 
 use super::ray_sphere::may_hit;
 use crate::lane::Lane;
@@ -8,8 +8,8 @@ use bytemuck::{Pod, Zeroable};
 /// Twice the sum of the errors below, as a multiple of |o|² + |c|² + r².
 const MARGIN: f64 = 128.0 * (f32::EPSILON / 2.0) as f64;
 
-/// Above this squared distance from the origin, in squared units of the scene, nothing is culled: squares of
-/// coordinates stay far from overflow below it.
+/// Beyond this squared distance from the origin, in squared scene units, nothing is culled: below it, squares
+/// of coordinates stay far from overflow.
 const LARGEST: f32 = 1e30;
 
 /// A margin for squares that are so small that their errors are no longer relative.
@@ -25,7 +25,7 @@ pub struct CulledSphere {
 }
 
 impl CulledSphere {
-    /// Of a sphere in units of the scene.
+    /// Prepares a sphere given in scene units.
     pub fn new(center: glam::Vec3, radius: f32) -> Self {
         let (c2, r2) = (center.as_dvec3().length_squared(), f64::from(radius).powi(2));
         let power = c2 - r2 - MARGIN * (c2 + r2) - SMALLEST;
@@ -37,18 +37,16 @@ impl CulledSphere {
     }
 }
 
-/// A packet of rays, prepared to be compared with many spheres.
+/// A packet of rays, prepared for the culling of many spheres.
 ///
-/// With the ray's origin o and direction d, a sphere's centre c and radius r: b = d · (c − o) and
-/// e = |c − o|² − r². The line misses the sphere where b² < e; the sphere lies behind where b < 0 < e. Here
-/// e = (|c|² − r²) + |o|² − 2 o · c, so that both take eight operations with what is known of the ray and of
-/// the sphere; the exact test takes twenty.
+/// With the ray's origin o and direction d, a sphere's centre c and radius r: b = d · (c − o) and e = |c −
+/// o|² − r². The line misses the sphere if b² < e; the sphere lies behind if b < 0 < e. Since e = (|c|² − r²)
+/// + |o|² − 2 o · c, both take eight operations with prepared rays and spheres; the exact test takes twenty.
 ///
 /// Domain: that of [`super::ray_sphere`], directions of unit length within 1e-5.
-/// Bounds: with ε = 2⁻²⁴ and S = |o| + |c|, the rounding of e is at most 10 ε (S² + r²), that of b 10 ε S, so
-/// that of b² − e at most 32 ε (S² + r²). The exact test finds a discriminant that is at most 16 ε (S² + r²)
-/// too large. With S² ≤ 2 (|o|² + |c|²) a margin of 128 ε (|o|² + |c|² + r²) covers both. Where rounding
-/// decides the sign of b, b² is far below e, and the exact test misses, too. Confirmed by
+/// Bounds: with ε = 2⁻²⁴ and S = |o| + |c|, rounding errors are at most 10 ε (S² + r²) in e and 10 ε S in b,
+/// hence at most 32 ε (S² + r²) in b² − e. The discriminant of the exact test is at most 16 ε (S² + r²) too
+/// large. With S² ≤ 2 (|o|² + |c|²) a margin of 128 ε (|o|² + |c|² + r²) covers both. Where rounding
 /// `tests/laws/kernel_sphere_box.rs`.
 #[derive(Clone, Copy)]
 pub struct SphereCulling<L: Lane> {
@@ -66,7 +64,7 @@ impl<L: Lane> SphereCulling<L> {
     #[inline(always)]
     pub fn new(ray: &Ray<L>) -> Self {
         let (length2, distance2) = (ray.direction.dot(ray.direction), ray.origin.dot(ray.origin));
-        // Outside the range of squares, and where a ray has NaN, all products are 0 and e is −∞: nothing is
+        // Outside the range of squares, and for rays with NaN, all products are 0 and e is −∞: nothing is
         // culled.
         let largest = L::splat(LARGEST);
         let near = length2.lt(largest) & distance2.lt(largest);
@@ -83,7 +81,7 @@ impl<L: Lane> SphereCulling<L> {
         }
     }
 
-    /// The rays that may hit the sphere: all that do, and few others.
+    /// Returns the rays that may hit the sphere: all rays that do, and few others.
     #[inline(always)]
     pub fn may_hit(&self, sphere: &CulledSphere) -> L::Mask {
         let [x, y, z] = sphere.center.map(L::splat);
@@ -91,7 +89,7 @@ impl<L: Lane> SphereCulling<L> {
             x.mul_add(self.direction.x, y.mul_add(self.direction.y, z.mul_add(self.direction.z, self.along)));
         let Vec3 { x: ox, y: oy, z: oz } = self.minus_twice_origin;
         let e = x.mul_add(ox, y.mul_add(oy, z.mul_add(oz, self.power + L::splat(sphere.power))));
-        // Margins keep e and b² − e away from 0 where the sphere is hit.
+        // The margins keep e and b² − e away from 0 for rays that hit the sphere.
         may_hit(b, e, b.neg_mul_add(b, e).to_bits())
     }
 }

@@ -1,8 +1,8 @@
-//! Points on surfaces: offsets of ray origins, normals, boxes.
+//! Computes points on surfaces: offsets of ray origins, normals, boxes.
 //!
-//! A hit point is computed from the surface (barycentrics; the sphere itself), not from `origin + t ·
+//! A hit point is computed from the surface (barycentrics; the sphere itself), not as `origin + t ·
 //! direction`, whose error grows with the distance travelled. A ray leaves from that point moved along the
-//! normal by its error bound and not by a constant: far enough that the surface is not hit again
+//! normal by its error bound, not by a constant: far enough to avoid hitting the surface again
 //! (self-intersection), and no farther, so that nothing close by is missed.
 //!
 //! Source: Wächter, Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems ch.
@@ -11,17 +11,17 @@
 use crate::lane::{Lane, Mask};
 use crate::math::{EPSILON, Vec3, gamma};
 
-/// The offset along the normal of rays that leave a sphere.
+/// Returns the offset along the normal of rays that leave a sphere.
 ///
 /// Units: scene units. Error: the point is off by at most 4.5 ε (|c| + r), see [`sphere_surface`]; testing
 /// the same sphere again computes |o − c|² − r² with a relative error of γ(5), which is a distance of γ(5)/2
 /// · r, plus the rounding of o − c of ε (|c| + r) in each component, √3 of that along the normal. The three
-/// bounds sum to 8.7 ε (|c| + r) and are never met together: measured, 4 ε suffice, `tests/laws/spawn.rs`.
+/// bounds sum to 8.7 ε (|c| + r) but never occur together: 4 ε suffice (measured, `tests/laws/spawn.rs`).
 pub fn sphere_offset(center: glam::Vec3, radius: f32) -> f32 {
     gamma(8) * (center.abs().max_element() + radius)
 }
 
-/// The offset along the normal of rays that leave a triangle.
+/// Returns the offset along the normal of rays that leave a triangle.
 ///
 /// Units: scene units. Error: the point a + u·ab + v·ac is off by at most γ(4) of the largest coordinates
 /// involved, and the watertight test computes t of the plane again with an error of about 10 ε times the
@@ -38,29 +38,29 @@ pub fn triangle_offset(vertices: [glam::Vec3; 3]) -> f32 {
     EPSILON * (16.0 * (largest + longest as f32) + sliver as f32)
 }
 
-/// How many offsets a point that is left keeps from its triangle's edges: see [`inset`].
+/// The distance that [`inset`] keeps between a point and the triangle's edges, in offsets.
 const INSET: f32 = 8.0;
 
 /// The largest sum of the barycentric coordinates that [`inset`] demands: on slivers, whose height is some
 /// thousand offsets or less, points move by at most this share of an edge.
 const MAX_INSET: f32 = 1.0 / 16.0;
 
-/// The longest edge of a triangle, and twice its area: in f64, because slivers lose their area in f32.
+/// Returns the longest edge of a triangle and twice its area, in f64: slivers lose their area in f32.
 fn longest_and_area(vertices: [glam::Vec3; 3]) -> (f64, f64) {
     let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
     (longest, (b - a).cross(c - a).length())
 }
 
-/// The barycentric coordinate below which a point may be closer to an edge than [`inset`] leaves it.
+/// Returns the barycentric coordinate below which [`inset`] may have to move a point.
 pub fn near_edge(vertices: [glam::Vec3; 3], offset: f32) -> f32 {
     let (longest, area) = longest_and_area(vertices);
     let margin = f64::from(INSET * offset) * longest / area;
-    // A little more than the largest of its three in f32.
+    // A little more than the largest of the three coordinates of `inset` in f32.
     (margin * 1.001).min(f64::from(MAX_INSET)) as f32
 }
 
-/// Barycentric coordinates moved away from a triangle's edges, so that rays that leave the point by `offset`
+/// Moves barycentric coordinates away from a triangle's edges, so that rays that leave the point by `offset`
 /// stay on their side of the triangles that share those edges: a closed mesh does not leak.
 ///
 /// At an edge, the offset along one wall's normal, or rounding, leads behind the next wall. From a distance d
@@ -69,7 +69,7 @@ pub fn near_edge(vertices: [glam::Vec3; 3], offset: f32) -> f32 {
 ///
 /// Error: the point moves by at most eight offsets, on slivers by a sixteenth of an edge.
 ///
-/// Inlined: a call costs 2 to 5 % of the frames of scenes without a triangle, whose registers it takes.
+/// Inlined: a call takes registers, which costs scenes without a triangle 2 to 5 % of their frames.
 #[inline(always)]
 pub fn inset<L: Lane>((u, v): (L, L), [ab, ac]: [Vec3<L>; 2], offset: L) -> (L, L) {
     let length = |v: Vec3<L>| v.dot(v).sqrt();
@@ -85,9 +85,9 @@ pub fn inset<L: Lane>((u, v): (L, L), [ab, ac]: [Vec3<L>; 2], offset: L) -> (L, 
     (u * norm, v * norm)
 }
 
-/// The geometric unit normal of a triangle, on the side from which its vertices are counter-clockwise.
+/// Returns a triangle's geometric unit normal, on the side from which its vertices are counter-clockwise.
 ///
-/// Computed in f64, differences too: slivers, and triangles far from the origin, lose their normal in f32.
+/// The computation is in f64, differences too: slivers and triangles far from the origin need it.
 ///
 /// Domain: triangles with an area.
 pub fn triangle_normal(vertices: [glam::Vec3; 3]) -> glam::Vec3 {
@@ -95,19 +95,19 @@ pub fn triangle_normal(vertices: [glam::Vec3; 3]) -> glam::Vec3 {
     (b - a).cross(c - a).normalize().as_vec3()
 }
 
-/// The lower and upper corner of a triangle's axis-aligned box: exact.
+/// Returns the exact lower and upper corner of a triangle's axis-aligned box.
 #[inline(always)]
 pub fn triangle_bounds([a, b, c]: [glam::Vec3; 3]) -> [glam::Vec3; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
-/// The point of a sphere next to `near`, a point close to its surface, and the outward unit normal there, in
-/// the lanes of `used`; unspecified in others.
+/// Returns the point of a sphere next to `near`, a point close to its surface, and the outward unit normal
+/// there, in the lanes of `used`; the other lanes are unspecified.
 ///
 /// A point p of a sphere is moved onto it by 1 / |u|, u = (p − c) / r, and |u|² = 1 + δ. A hit's δ is some ε
-/// times the distance over the radius, so that 1 − δ / 2 is 1 / |u| less 3/8 δ²: no root and no division.
-/// Only where |δ| is above 2⁻¹², for spheres some thousand radii away from the ray's origin or from that of
-/// space, both are computed.
+/// times the distance over the radius, so that 1 − δ / 2 is 1 / |u| less 3/8 δ², without a root or a
+/// division. Both are computed only where |δ| is above 2⁻¹², for spheres some thousand radii away from the
+/// ray's origin or from that of space.
 ///
 /// Error: the point is off by at most 4.5 ε (|c| + r), the normal's length by 3 ε (measured, with and without
 /// FMA, `tests/laws/spawn.rs`).
@@ -123,7 +123,7 @@ pub fn sphere_surface<L: Lane>(
     let delta = unit.dot(unit) - L::one();
     let scale = delta.mul_add(L::splat(-0.5), L::one());
     let (point, normal) = (from_center.mul_add(scale, center), unit * scale);
-    // Not so for NaN either.
+    // The negation includes NaN.
     let far = used & !delta.abs().le(L::splat(f32::powi(0.5, 12)));
     if !far.any() {
         return (point, normal);
@@ -133,10 +133,10 @@ pub fn sphere_surface<L: Lane>(
     (Vec3::select(far, exact_point, point), Vec3::select(far, exact, normal))
 }
 
-/// The direction from a sphere's centre as a unit vector.
+/// Returns the direction from a sphere's centre as a unit vector.
 ///
-/// On a sphere smaller than one step of its coordinates the point may round to the centre: the normal is then
-/// that of the top, and not NaN.
+/// On a sphere smaller than one step of its coordinates the point may round to the centre: the result is then
+/// the normal of the top, and not NaN.
 #[inline(always)]
 fn sphere_normal<L: Lane>(mut from_center: Vec3<L>) -> Vec3<L> {
     let squared = from_center.dot(from_center);

@@ -1,10 +1,10 @@
 //! Stream compaction of lists of 16-bit numbers.
 
-/// Numbers that [`compress_where`] takes at a time.
+/// The number of entries that [`compress_where`] processes at a time.
 pub const CHUNK: usize = 32;
 
-/// Writes those numbers of `from` whose mask has any of `bits` to the front of `to`, in their order, and
-/// returns how many they are. What is behind them in `to` is unspecified.
+/// Writes the numbers of `from` whose mask has any of `bits` to the front of `to`, keeps their order, and
+/// returns their count. The rest of `to` is unspecified.
 #[inline(always)]
 pub fn compress_where(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16, to: &mut [u16; CHUNK]) -> usize {
     #[cfg(all(target_feature = "avx512bw", target_feature = "avx512vbmi2"))]
@@ -13,7 +13,7 @@ pub fn compress_where(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16, to: 
     compress_by_table(from, masks, bits, to)
 }
 
-/// The same, eight numbers at a time by a table.
+/// Implements [`compress_where`], eight numbers at a time with a table.
 #[cfg(any(test, not(all(target_feature = "avx512bw", target_feature = "avx512vbmi2"))))]
 #[inline(always)]
 fn compress_by_table(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16, to: &mut [u16; CHUNK]) -> usize {
@@ -23,7 +23,7 @@ fn compress_by_table(from: &[u16; CHUNK], masks: &[u16; CHUNK], bits: u16, to: &
         let others = (u16x8::new(*masks) & u16x8::splat(bits)).simd_eq(u16x8::splat(0));
         let chosen = !others.to_bitmask() as usize & 0xff;
         let moved = bytemuck::cast::<_, u8x16>(*from).shuffle(u8x16::new(BYTES[chosen]));
-        // `count` is at most the place of these eight in `from`, so that there is room for them.
+        // `count` is at most the index of these eight in `from`, so there is room for them.
         to[count..count + 8].copy_from_slice(&bytemuck::cast::<_, [u16; 8]>(moved));
         count += chosen.count_ones() as usize;
     }

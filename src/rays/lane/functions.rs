@@ -24,7 +24,7 @@ pub fn polynomial<L: Lane, const N: usize>(x: L, coefficients: [f32; N]) -> L {
     sum
 }
 
-/// About 1 / √x, in a sixth of the time of the exact one.
+/// Returns about 1 / √x, in a sixth of the time of the exact one.
 ///
 /// Domain: 0 and normal floats. At 0 it is 2e19.
 /// Error: relative, ≤ 1.8e-3 (measured).
@@ -38,7 +38,7 @@ pub fn approximate_rsqrt<L: Lane>(x: L) -> L {
     y * (L::splat(-0.5) * x * y).mul_add(y, L::splat(1.5))
 }
 
-/// Sine and cosine of an angle in `[−π/4, π/4]`, without reduction.
+/// Returns the sine and cosine of an angle in `[−π/4, π/4]`, without reduction.
 #[inline(always)]
 fn sin_cos_octant<L: Lane>(r: L) -> (L, L) {
     let r2 = r * r;
@@ -49,7 +49,7 @@ fn sin_cos_octant<L: Lane>(r: L) -> (L, L) {
     (sin, cos)
 }
 
-/// Sine and cosine of an angle plus `quadrant` · π/2, from those of the angle.
+/// Returns the sine and cosine of an angle plus `quadrant` · π/2, from those of the angle.
 #[inline(always)]
 fn rotate_quadrants<L: Lane>(quadrant: L::Bits, sin: L, cos: L) -> (L, L) {
     let one = L::Bits::splat(1);
@@ -59,7 +59,7 @@ fn rotate_quadrants<L: Lane>(quadrant: L::Bits, sin: L, cos: L) -> (L, L) {
     (L::select(swap, cos, sin).flip_sign(sin_sign), L::select(swap, sin, cos).flip_sign(cos_sign))
 }
 
-/// Sine and cosine of an angle.
+/// Returns the sine and cosine of an angle.
 ///
 /// Units: radians.
 /// Domain: |x| ≤ 8192; beyond it the error grows; infinite and NaN give NaN.
@@ -78,19 +78,19 @@ pub fn sin_cos<L: Lane>(x: L) -> (L, L) {
     rotate_quadrants(k.truncate_to_int(), sin, cos)
 }
 
-/// Sine of an angle in radians; domain and error as in [`sin_cos`].
+/// Returns the sine of an angle in radians; domain and error as in [`sin_cos`].
 #[inline(always)]
 pub fn sin<L: Lane>(x: L) -> L {
     sin_cos(x).0
 }
 
-/// Cosine of an angle in radians; domain and error as in [`sin_cos`].
+/// Returns the cosine of an angle in radians; domain and error as in [`sin_cos`].
 #[inline(always)]
 pub fn cos<L: Lane>(x: L) -> L {
     sin_cos(x).1
 }
 
-/// Sine and cosine of an angle in turns, without range reduction or choice of quadrant.
+/// Returns the sine and cosine of an angle in turns, without range reduction or choice of quadrant.
 ///
 /// The angle less half a turn, divided by 4, lies in an octant. Two double-angle steps multiply it by 4; the
 /// signs of the second add the half turn again.
@@ -107,7 +107,7 @@ pub fn sin_cos_turns<L: Lane>(u: L) -> (L, L) {
     (twice * cos, twice.neg_mul_add(sin, -L::one()))
 }
 
-/// The arctangent of |q| ≤ tan(π/8), in radians, without reduction.
+/// Returns the arctangent of |q| ≤ tan(π/8), in radians, without reduction.
 #[inline(always)]
 fn atan_octant<L: Lane>(q: L) -> L {
     let q2 = q * q;
@@ -129,7 +129,7 @@ fn reduce_atan<L: Lane>(low: L, high: L) -> (L, L, L::Mask) {
     (L::select(reduced, low - high, low), L::select(reduced, low + high, high), reduced)
 }
 
-/// The angle of the point (x, y), as in `f32::atan2`.
+/// Returns the angle of the point (x, y), as in `f32::atan2`.
 ///
 /// Units: radians, in [−π, π].
 /// Domain: all but NaN; zeros and infinities give what IEEE 754 says.
@@ -149,7 +149,7 @@ pub fn atan2<L: Lane>(y: L, x: L) -> L {
     L::select(x.is_sign_negative(), L::splat(PI) - atan, atan).copysign(y)
 }
 
-/// The angle of the point (x, y) in turns, without the special cases of [`atan2`].
+/// Returns the angle of the point (x, y) in turns, without the special cases of [`atan2`].
 ///
 /// Units: turns (1 = 2π), in [−½, ½].
 /// Domain: finite, the larger component at least 1e-30; (0, 0) gives 0.
@@ -175,7 +175,7 @@ pub fn atan2_turns<L: Lane>(y: L, x: L) -> L {
     angle.flip_sign(y)
 }
 
-/// The arcsine, in half turns (1 = π).
+/// Returns the arcsine, in half turns (1 = π).
 ///
 /// Domain: |x| ≤ 0.7071.
 /// Error: see `kernel::surface::latitude_longitude`.
@@ -194,7 +194,7 @@ pub fn asin_half_turns<L: Lane>(x: L) -> L {
     polynomial(x * x, CURVE) * x
 }
 
-/// eˣ.
+/// Returns eˣ.
 ///
 /// Domain: all. Results below the smallest normal number are 0; above the largest, +∞. Error: ≤ 1.2 ulp
 /// (measured).
@@ -221,7 +221,7 @@ pub fn exp<L: Lane>(x: L) -> L {
     L::select(x.eq(x), result, x)
 }
 
-/// The natural logarithm.
+/// Returns the natural logarithm.
 ///
 /// Domain: all; 0 gives −∞, negative numbers NaN. Error: ≤ 0.9 ulp, near 1 too (measured).
 #[inline(always)]
@@ -261,7 +261,7 @@ pub fn ln<L: Lane>(x: L) -> L {
     L::select(x.ge(L::zero()), result, L::splat(f32::NAN))
 }
 
-/// xʸ as exp(y · ln x).
+/// Returns xʸ as exp(y · ln x).
 ///
 /// Domain: x ≥ 0 (negative x gives NaN); y = 0 gives 1. Error: relative, ≤ 1.5e-7 · (1 + |y · ln x|)
 /// (measured).

@@ -1,8 +1,8 @@
 //! Instructions that `wide` does not have, or that the compiler does not choose.
 //!
-//! The only unsafe code of octray: one block a function. The instructions read and write nothing but what
-//! references lead to, and each exists only in builds for processors that have it. Laws compare those that
-//! compute with what they do lane by lane. Miri cannot: it does not know them.
+//! This module has the only unsafe code of octray, one block per function. The instructions access only
+//! memory behind their references, and each exists only in builds for processors that have it. Tests compare
+//! those that compute with lane-by-lane code. Miri does not support them.
 
 #![allow(unsafe_code)]
 
@@ -11,8 +11,8 @@ use super::packet::{F32x16, Mask16, U32x16};
 #[cfg(target_feature = "avx512f")]
 use super::traits::Mask;
 
-/// `prefetcht0`: fetches the cache lines of a value ahead of its use. A hint: it changes no result, and
-/// nothing waits for it. Camera rays of large meshes are 1.01 to 1.06 times as fast with it.
+/// Fetches the cache lines of a value ahead of its use (`prefetcht0`). It is a hint: it changes no result,
+/// and nothing waits for it. Camera rays of large meshes are 1.01 to 1.06 times as fast with it.
 ///
 /// Domain: the value starts a cache line, else its last bytes may be left out.
 #[inline(always)]
@@ -27,8 +27,8 @@ pub fn prefetch<T>(value: &T) {
     let _ = value;
 }
 
-/// `vpcompressd`: the lanes of `mask` in ascending order, then zeros. Packs the paths of frames: `three` is
-/// 1.03 times as fast as with tables.
+/// Returns the lanes of `mask` in ascending order, then zeros (`vpcompressd`). It compresses the paths of
+/// frames: `three` is 1.03 times as fast as with tables.
 #[cfg(target_feature = "avx512f")]
 #[inline(always)]
 pub(super) fn compress(from: U32x16, mask: Mask16) -> U32x16 {
@@ -38,9 +38,9 @@ pub(super) fn compress(from: U32x16, mask: Mask16) -> U32x16 {
     bytemuck::cast(unsafe { _mm512_maskz_compress_epi32(mask, from) })
 }
 
-/// `vpbroadcastd`: a number in memory in every lane. The compiler chooses `vbroadcastss`, which on Zen 4
-/// takes an execution port that arithmetic needs; this one is a load alone. Shadow rays in streams are 1.04
-/// to 1.07 times as fast with it and box planes ordered as integers.
+/// Returns a number in memory in every lane (`vpbroadcastd`). The compiler chooses `vbroadcastss`, which on
+/// Zen 4 takes an execution port that arithmetic needs; this one is a load alone. Shadow rays in streams are
+/// 1.04 to 1.07 times as fast with it and box planes ordered as integers.
 #[cfg(target_feature = "avx512f")]
 #[inline(always)]
 pub(super) fn broadcast(number: &f32) -> F32x16 {
@@ -57,9 +57,9 @@ pub(super) fn broadcast(number: &f32) -> F32x16 {
     bytemuck::cast(lanes)
 }
 
-/// `vptestmw` and `vpcompressw`: of the 32 numbers of `from`, those whose mask has any of `bits`, in
-/// ascending order, then zeros; and how many they are. Writes the lists of streams: with its lists of 16 bits
-/// shadow rays in streams are some 1.1 times as fast.
+/// Writes those of the 32 numbers of `from` whose mask has any of `bits`, in ascending order, then zeros;
+/// returns their count (`vptestmw`, `vpcompressw`). With 16-bit lists written by it, shadow rays in streams
+/// are some 1.1 times as fast.
 #[cfg(all(target_feature = "avx512bw", target_feature = "avx512vbmi2"))]
 #[inline(always)]
 pub(super) fn compress_where(from: &[u16; 32], masks: &[u16; 32], bits: u16, to: &mut [u16; 32]) -> usize {

@@ -6,10 +6,10 @@
 //! are defined once. One thing is not promised: *which* NaN an operation returns (Rust does not promise it
 //! either). *That* it returns a NaN is promised.
 //!
-//! [`Lane::mul_add`] is fused where the target has FMA and rounds twice where it has not, at every width
-//! alike ([`FUSED`]). Builds that fuse agree with each other in every bit, and so do builds that do not.
+//! [`Lane::mul_add`] is fused if the target has FMA and rounds twice if it has not, at every width alike
+//! ([`FUSED`]). Builds that fuse agree with each other in every bit, and so do builds that do not.
 //!
-//! A wider machine gets a new type that implements these traits, not a new tree of code.
+//! A machine with wider vectors gets a new type that implements these traits, and no other new code.
 
 pub mod compaction;
 pub mod functions;
@@ -23,30 +23,30 @@ pub use instructions::prefetch;
 pub use packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
 
-/// Whether [`Lane::mul_add`] is fused: with FMA in the target. Films of fused builds differ in last bits from
-/// those of the others, and in nothing else does a build change a film.
+/// Whether [`Lane::mul_add`] is fused, because the target has FMA. Films of fused builds differ from those of
+/// other builds in their last bits; nothing else about a build changes a film.
 pub const FUSED: bool = cfg!(target_feature = "fma");
 
-/// The vector instructions that are compiled for: see the package's first page.
+/// The vector instructions of this build: see the package's first page.
 pub const INSTRUCTIONS: &str = match (NATIVE_WIDTH, cfg!(target_feature = "avx2") && FUSED) {
     (16, _) => "AVX-512",
     (_, true) => "AVX2 with FMA",
     (_, false) => "the least that its target has: slow",
 };
 
-/// The widths that pictures are rendered with, in ascending order: up to one vector of the instruction set
-/// that is compiled for.
+/// The widths that pictures are rendered with, in ascending order: up to one vector of the build's
+/// instruction set.
 #[cfg(target_feature = "avx512f")]
 pub const WIDTHS: [usize; 3] = [1, 8, 16];
-/// The widths that pictures are rendered with, in ascending order: up to one vector of the instruction set
-/// that is compiled for.
+/// The widths that pictures are rendered with, in ascending order: up to one vector of the build's
+/// instruction set.
 #[cfg(not(target_feature = "avx512f"))]
 pub const WIDTHS: [usize; 2] = [1, 8];
 
-/// The widest packet that is one vector of the instruction set that is compiled for.
+/// The widest packet that is one vector of the build's instruction set.
 #[cfg(target_feature = "avx512f")]
 pub type Native = F32x16;
-/// The widest packet that is one vector of the instruction set that is compiled for.
+/// The widest packet that is one vector of the build's instruction set.
 #[cfg(not(target_feature = "avx512f"))]
 pub type Native = F32x8;
 
@@ -55,5 +55,5 @@ pub type NativeBits = <Native as Lane>::Bits;
 /// The masks of [`Native`].
 pub type NativeMask = <Native as Lane>::Mask;
 
-/// Lanes of [`Native`].
+/// The number of lanes of [`Native`].
 pub const NATIVE_WIDTH: usize = <Native as Lane>::WIDTH;

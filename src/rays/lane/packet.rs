@@ -1,8 +1,8 @@
 //! The packet types: wrappers of the vectors of `wide`, of eight and of sixteen lanes.
 //!
-//! What all widths share is written once, in the macro `packet!`; what moves values between lanes differs,
-//! and is in `permute`. Without AVX-512 a packet of sixteen is two vectors of eight: as correct, and no
-//! faster.
+//! Code that all widths share is written once, in the macro `packet!`; the operations that move values
+//! between lanes differ by width and are in `permute`. Without AVX-512 a packet of sixteen is two vectors of
+//! eight: equally correct, and no faster.
 
 use super::traits::{Bits, Lane, Mask};
 use bytemuck::{Pod, Zeroable};
@@ -121,7 +121,7 @@ macro_rules! packet {
             fn splat(value: u32) -> Self {
                 Self($u32::splat(value))
             }
-            // A loop: `array::from_fn` of sixteen is not inlined.
+            // A loop, because `array::from_fn` of sixteen is not inlined.
             #[inline(always)]
             fn from_fn(mut f: impl FnMut(usize) -> u32) -> Self {
                 let mut lanes = [0; $width];

@@ -1,4 +1,4 @@
-//! What moves values between the lanes of a packet, by width: stream compaction, tables, transposes.
+//! Moves values between the lanes of a packet: stream compaction, table lookups, transposes.
 
 use super::packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 use super::traits::{Bits, Lane, Mask};
@@ -40,12 +40,12 @@ static JOIN: [[u32; 16]; 9] = {
 };
 
 impl U32x8 {
-    /// Lane `indices[i]` in lane i; each index is below 8.
+    /// Returns lane `indices[i]` in lane i; each index is below 8.
     #[inline(always)]
     pub(super) fn permuted(self, indices: Self) -> Self {
         Self(self.0.shuffle(indices.0))
     }
-    /// [`Bits::compress`].
+    /// Implements [`Bits::compress`].
     #[inline(always)]
     pub(super) fn compressed(self, mask: Mask8) -> Self {
         self.permuted(Self(u32x8::new(COMPRESS[(mask.bitmask() & 0xff) as usize])))
@@ -53,26 +53,26 @@ impl U32x8 {
 }
 
 impl F32x8 {
-    /// [`Lane::broadcast`].
+    /// Implements [`Lane::broadcast`].
     #[inline(always)]
     pub(super) fn broadcasted(number: &f32) -> Self {
         Self::splat(*number)
     }
-    /// [`Lane::pick`].
+    /// Implements [`Lane::pick`].
     #[inline(always)]
     pub(super) fn picked(table: &[f32; 8], index: U32x8) -> Self {
         Self(f32x8::new(*table).shuffle(index.0))
     }
-    /// [`Lane::pick_of_16`].
+    /// Implements [`Lane::pick_of_16`].
     #[inline(always)]
     pub(super) fn picked_of_16(table: &[f32; 16], index: U32x8) -> Self {
         let [low, high] = [0, 8].map(|first| Self::load(&table[first..]));
-        // `shuffle` reads the lowest three bits of each index where it may read what it likes.
+        // `shuffle` may read only the lowest three bits of an index, or all of them.
         let lane = index & U32x8::splat(7);
         let pick = |half: Self| Self(half.0.shuffle(lane.0));
         Self::select(Self::from_bits(index.shl(28)).is_sign_negative(), pick(high), pick(low))
     }
-    /// [`Lane::gather_rows`].
+    /// Implements [`Lane::gather_rows`].
     #[inline(always)]
     pub(super) fn gathered<const N: usize>(rows: &[[f32; N]], index: U32x8) -> [Self; N] {
         // Plain loops: closures of `array` functions are not unrolled before values become registers.
@@ -123,25 +123,25 @@ impl U32x16 {
     fn halves(self) -> [U32x8; 2] {
         bytemuck::cast(self)
     }
-    /// Lane `indices[i]` in lane i; each index is below 16.
+    /// Returns lane `indices[i]` in lane i; each index is below 16.
     #[inline(always)]
     pub(super) fn permuted(self, indices: Self) -> Self {
         if cfg!(target_feature = "avx512f") {
             Self(self.0.shuffle(indices.0))
         } else {
-            // `wide` shuffles halves here.
+            // Without AVX-512, `wide` shuffles halves here.
             let (from, indices) = (self.0.to_array(), indices.0.to_array());
             Self::from_fn(|lane| from[indices[lane] as usize & 15])
         }
     }
-    /// [`Bits::compress`].
+    /// Implements [`Bits::compress`].
     #[cfg(target_feature = "avx512f")]
     #[inline(always)]
     pub(super) fn compressed(self, mask: Mask16) -> Self {
         super::instructions::compress(self, mask)
     }
-    /// [`Bits::compress`]. A table of all masks would hold 4 MiB: the indices of each half are found by its
-    /// own, then joined.
+    /// Implements [`Bits::compress`]. A table of all masks would take 4 MiB: the indices of each half come
+    /// from its own mask, and are then joined.
     #[cfg(not(target_feature = "avx512f"))]
     #[inline(always)]
     pub(super) fn compressed(self, mask: Mask16) -> Self {
@@ -154,7 +154,7 @@ impl U32x16 {
 }
 
 impl F32x16 {
-    /// [`Lane::broadcast`].
+    /// Implements [`Lane::broadcast`].
     #[inline(always)]
     pub(super) fn broadcasted(number: &f32) -> Self {
         #[cfg(target_feature = "avx512f")]
@@ -162,7 +162,7 @@ impl F32x16 {
         #[cfg(not(target_feature = "avx512f"))]
         Self::splat(*number)
     }
-    /// [`Lane::pick`].
+    /// Implements [`Lane::pick`].
     #[inline(always)]
     pub(super) fn picked(table: &[f32; 8], index: U32x16) -> Self {
         if cfg!(target_feature = "avx512f") {
@@ -172,7 +172,7 @@ impl F32x16 {
             bytemuck::cast(index.halves().map(|index| F32x8::picked(table, index)))
         }
     }
-    /// [`Lane::pick_of_16`].
+    /// Implements [`Lane::pick_of_16`].
     #[inline(always)]
     pub(super) fn picked_of_16(table: &[f32; 16], index: U32x16) -> Self {
         if cfg!(target_feature = "avx512f") {
@@ -181,7 +181,7 @@ impl F32x16 {
             bytemuck::cast(index.halves().map(|index| F32x8::picked_of_16(table, index)))
         }
     }
-    /// [`Lane::gather_rows`].
+    /// Implements [`Lane::gather_rows`].
     #[inline(always)]
     pub(super) fn gathered<const N: usize>(rows: &[[f32; N]], index: U32x16) -> [Self; N] {
         let [low, high] = index.halves();

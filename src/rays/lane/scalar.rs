@@ -1,4 +1,4 @@
-//! Width 1: `f32`, `u32` and `bool` as lanes. Every packet must give the bits of this scalar path.
+//! Width 1: `f32`, `u32` and `bool` as lanes. Every packet must give the same bits as this scalar path.
 
 use super::traits::{Bits, Lane, Mask};
 

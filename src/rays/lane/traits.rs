@@ -8,34 +8,34 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 pub trait Mask:
     Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
-    /// Lanes in a packet.
+    /// The number of lanes.
     const WIDTH: usize;
 
-    /// The same truth value in every lane.
+    /// Returns the same truth value in every lane.
     fn splat(value: bool) -> Self;
-    /// The first `count` lanes true, the others false; all lanes true if `count` is the width or more.
+    /// Returns a mask whose first `count` lanes are true; all are if `count` is the width or more.
     fn first(count: usize) -> Self;
-    /// Is any lane true?
+    /// Tests whether any lane is true.
     fn any(self) -> bool;
-    /// Is every lane true?
+    /// Tests whether every lane is true.
     fn all(self) -> bool;
-    /// Bit `i` is lane `i`; the bits above the width are zero.
+    /// Returns lane `i` as bit `i`; the bits above the width are zero.
     fn bitmask(self) -> u32;
-    /// The indices of the lanes that are true, in ascending order.
+    /// Iterates over the indices of the lanes that are true, in ascending order.
     #[inline(always)]
     fn lanes(self) -> impl Iterator<Item = usize> {
-        // It is below the width already; this lets the compiler drop the bounds check of arrays of that
-        // length.
+        // The index is below the width already; the mask lets the compiler drop the bounds check of arrays of
+        // that length.
         set_bits(self.bitmask()).map(|lane| lane & (Self::WIDTH - 1))
     }
-    /// How many lanes are true.
+    /// Returns the number of lanes that are true.
     #[inline(always)]
     fn count(self) -> usize {
         self.bitmask().count_ones() as usize
     }
 }
 
-/// The indices of the bits that are set, in ascending order.
+/// Iterates over the indices of the bits that are set, in ascending order.
 #[inline(always)]
 pub fn set_bits(mask: impl Into<u64>) -> impl Iterator<Item = usize> {
     let mut rest: u64 = mask.into();
@@ -58,16 +58,16 @@ pub trait Bits:
     + BitXor<Output = Self>
     + Not<Output = Self>
 {
-    /// Comparisons of this width.
+    /// The mask of this width.
     type Mask: Mask;
 
-    /// One integer in every lane.
+    /// Returns one integer in every lane.
     fn splat(value: u32) -> Self;
-    /// Lane `i` gets `f(i)`.
+    /// Returns `f(i)` in lane `i`.
     fn from_fn(f: impl FnMut(usize) -> u32) -> Self;
-    /// The value of one lane.
+    /// Returns the value of one lane.
     fn get(self, lane: usize) -> u32;
-    /// The first `WIDTH` numbers of `from`.
+    /// Loads the first `WIDTH` numbers of `from`.
     ///
     /// # Panics
     /// If `from` is shorter than the width.
@@ -77,25 +77,25 @@ pub trait Bits:
     /// # Panics
     /// If `to` is shorter than the width.
     fn store(self, to: &mut [u32]);
-    /// The sum modulo 2³².
+    /// Returns the sum modulo 2³².
     fn wrapping_add(self, other: Self) -> Self;
-    /// The product modulo 2³².
+    /// Returns the product modulo 2³².
     fn wrapping_mul(self, other: Self) -> Self;
-    /// Shift left by the same `count` < 32 in every lane.
+    /// Shifts left by the same `count` < 32 in every lane.
     fn shl(self, count: u32) -> Self;
-    /// Logical shift right by the same `count` < 32 in every lane.
+    /// Shifts right, filling with zeros, by the same `count` < 32 in every lane.
     fn shr(self, count: u32) -> Self;
-    /// Lanes where both are equal.
+    /// Returns the lanes where both are equal.
     fn equals(self, other: Self) -> Self::Mask;
-    /// Unsigned comparison.
+    /// Returns the lanes where self < other, as unsigned integers.
     fn less(self, other: Self) -> Self::Mask;
-    /// The smaller one, as signed integers in two's complement.
+    /// Returns the smaller one, as signed integers in two's complement.
     fn min_signed(self, other: Self) -> Self;
-    /// The larger one, as signed integers.
+    /// Returns the larger one, as signed integers in two's complement.
     fn max_signed(self, other: Self) -> Self;
-    /// Comparison of signed integers: self ≤ other.
+    /// Returns the lanes where self ≤ other, as signed integers.
     fn le_signed(self, other: Self) -> Self::Mask;
-    /// Lane by lane, one of two integers.
+    /// Selects one of two integers in each lane.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
     /// Moves the lanes of `mask` to the front and keeps their order (stream compaction). The lanes behind
     /// them are unspecified.
@@ -116,26 +116,26 @@ pub trait Lane:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Lanes in a packet.
+    /// The number of lanes.
     const WIDTH: usize;
-    /// Comparisons of this width.
+    /// The mask of this width.
     type Mask: Mask;
-    /// Integers of this width.
+    /// The integers of this width.
     type Bits: Bits<Mask = Self::Mask>;
 
-    /// One number in every lane.
+    /// Returns one number in every lane.
     fn splat(value: f32) -> Self;
-    /// The same of a number in memory, for loops that would otherwise wait for an execution port: sixteen
-    /// lanes take an instruction that the compiler does not choose.
+    /// Returns a number in memory in every lane, for loops that would otherwise wait for an execution port:
+    /// at sixteen lanes it uses an instruction that the compiler does not choose.
     #[inline(always)]
     fn broadcast(number: &f32) -> Self {
         Self::splat(*number)
     }
-    /// Lane `i` gets `f(i)`.
+    /// Returns `f(i)` in lane `i`.
     fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
-    /// The value of one lane.
+    /// Returns the value of one lane.
     fn get(self, lane: usize) -> f32;
-    /// The first `WIDTH` numbers of `from`.
+    /// Loads the first `WIDTH` numbers of `from`.
     ///
     /// # Panics
     /// If `from` is shorter than the width.
@@ -146,93 +146,93 @@ pub trait Lane:
     /// If `to` is shorter than the width.
     fn store(self, to: &mut [f32]);
 
-    /// `self · factor + addend`: one rounding where the target has FMA, two where it has not, at every width
-    /// alike.
+    /// Returns `self · factor + addend`: one rounding where the target has FMA, two where it has not, at
+    /// every width alike.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
-    /// `addend − self · factor`, rounded like [`Lane::mul_add`].
+    /// Returns `addend − self · factor`, rounded like [`Lane::mul_add`].
     #[inline(always)]
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
         (-self).mul_add(factor, addend)
     }
-    /// Correctly rounded square root.
+    /// Returns the correctly rounded square root.
     fn sqrt(self) -> Self;
-    /// The largest integer ≤ the value. Zeros keep their sign.
+    /// Returns the largest integer ≤ the value. Zeros keep their sign.
     fn floor(self) -> Self;
 
-    /// Lanes where self < other; false for NaN.
+    /// Returns the lanes where self < other; false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
-    /// Lanes where self ≤ other; false for NaN.
+    /// Returns the lanes where self ≤ other; false for NaN.
     fn le(self, other: Self) -> Self::Mask;
-    /// Lanes where self = other; false for NaN.
+    /// Returns the lanes where self = other; false for NaN.
     fn eq(self, other: Self) -> Self::Mask;
-    /// Lanes where self > other; false for NaN.
+    /// Returns the lanes where self > other; false for NaN.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
-    /// Lanes where self ≥ other; false for NaN.
+    /// Returns the lanes where self ≥ other; false for NaN.
     #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
     }
-    /// Lane by lane, one of two numbers.
+    /// Selects one of two numbers in each lane.
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self;
-    /// The value in the lanes of the mask, zero in the others.
+    /// Returns the value in the lanes of the mask, zero in the others.
     fn only(self, mask: Self::Mask) -> Self;
-    /// The sign bit. It is set in −0, and NaN may have either. As a mask it costs no comparison with 0.
+    /// Returns the sign bit as a mask, without a comparison. It is set in −0; NaN may have either sign.
     fn is_sign_negative(self) -> Self::Mask;
 
-    /// The bit pattern.
+    /// Returns the bit pattern.
     fn to_bits(self) -> Self::Bits;
-    /// The numbers with these bits.
+    /// Returns the numbers with these bits.
     fn from_bits(bits: Self::Bits) -> Self;
     /// Rounds towards zero to a signed integer in two's complement. Domain: |x| < 2³¹; outside it and for NaN
     /// the result is 0x8000_0000.
     fn truncate_to_int(self) -> Self::Bits;
-    /// The nearest float to a signed integer in two's complement.
+    /// Returns the nearest float to a signed integer in two's complement.
     fn from_int(int: Self::Bits) -> Self;
 
-    /// As [`Bits::compress`].
+    /// Compresses like [`Bits::compress`].
     #[inline(always)]
     fn compress(self, mask: Self::Mask) -> Self {
         Self::from_bits(self.to_bits().compress(mask))
     }
 
-    /// `table[index]` in each lane, for tables that fit one register. Domain: every index, in inactive lanes
-    /// too, is below 8; the result of any other index is unspecified.
+    /// Returns `table[index]` in each lane, for tables that fit one register. Domain: every index, in
+    /// inactive lanes too, is below 8; the result of any other index is unspecified.
     fn pick(table: &[f32; 8], index: Self::Bits) -> Self;
-    /// As [`Lane::pick`], for a table of sixteen: one register of a packet that wide, two of narrower ones.
+    /// [`Lane::pick`] from a table of sixteen: one register at width 16, two at width 8.
     fn pick_of_16(table: &[f32; 16], index: Self::Bits) -> Self;
-    /// Row `index` of a table in each lane, transposed: column `j` holds `rows[index][j]`.
+    /// Returns row `index` of a table in each lane, transposed: column `j` holds `rows[index][j]`.
     ///
     /// # Panics
     /// If an index, in any lane, is not below `rows.len()`.
     fn gather_rows<const N: usize>(rows: &[[f32; N]], index: Self::Bits) -> [Self; N];
 
-    /// `table[index]` in each lane.
+    /// Returns `table[index]` in each lane.
     ///
     /// # Panics
     /// If an index, in any lane, is not below `table.len()`.
     fn gather_bits(table: &[u32], index: Self::Bits) -> Self::Bits;
 
-    /// 0 in every lane.
+    /// Returns 0 in every lane.
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
     }
-    /// 1 in every lane.
+    /// Returns 1 in every lane.
     #[inline(always)]
     fn one() -> Self {
         Self::splat(1.0)
     }
 
-    /// The smaller one; `other` if either is NaN or both are zeros. This is the rule of x86, so it costs one
-    /// instruction there.
+    /// Returns the smaller one; `other` if either is NaN or both are zeros. This is the rule of x86, so it
+    /// costs one instruction there.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         Self::select(self.lt(other), self, other)
     }
-    /// The larger one; `other` if either is NaN or both are zeros.
+    /// Returns the larger one; `other` if either is NaN or both are zeros.
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self::select(other.lt(self), self, other)
@@ -242,7 +242,7 @@ pub trait Lane:
     fn abs(self) -> Self {
         Self::from_bits(self.to_bits() & Self::Bits::splat(0x7fff_ffff))
     }
-    /// The sign bit alone, as a float: +0 or −0.
+    /// Returns the sign bit alone, as a float: +0 or −0.
     #[inline(always)]
     fn sign_bit(self) -> Self {
         Self::from_bits(self.to_bits() & Self::Bits::splat(0x8000_0000))
@@ -252,19 +252,19 @@ pub trait Lane:
     fn flip_sign(self, sign: Self) -> Self {
         Self::from_bits(self.to_bits() ^ sign.sign_bit().to_bits())
     }
-    /// The magnitude of `self` with the sign of `sign`.
+    /// Returns the magnitude of `self` with the sign of `sign`.
     #[inline(always)]
     fn copysign(self, sign: Self) -> Self {
         Self::from_bits(self.abs().to_bits() | sign.sign_bit().to_bits())
     }
-    /// Is the value neither infinite nor NaN?
+    /// Tests whether the value is neither infinite nor NaN.
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
         self.abs().lt(Self::splat(f32::INFINITY))
     }
 }
 
-/// The index of each lane: 0, 1, 2, …
+/// Returns the index of each lane: 0, 1, 2, …
 #[inline(always)]
 pub fn lane_indices<L: Lane>() -> L::Bits {
     L::Bits::from_fn(|lane| lane as u32)

@@ -6,7 +6,7 @@ pub const EPSILON: f32 = f32::EPSILON / 2.0;
 /// The largest float below 1.
 pub const BELOW_ONE: f32 = 1.0 - EPSILON;
 
-/// The largest relative error of `n` successive roundings, n·ε / (1 − n·ε).
+/// Returns the largest relative error of `n` successive roundings, n·ε / (1 − n·ε).
 ///
 /// Source: Higham, Accuracy and Stability of Numerical Algorithms, 2002, lemma 3.1; Pharr et al., PBR 4ed
 /// §6.8.1.

@@ -9,14 +9,14 @@ pub const MISS: u32 = u32::MAX;
 /// A packet of rays: points `origin + t · direction` with t > 0. Directions need not have unit length.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray<L> {
-    /// Where it begins.
+    /// The point where the ray begins.
     pub origin: Vec3<L>,
-    /// Its direction, of unit length where nothing else is said.
+    /// The direction, of unit length unless stated otherwise.
     pub direction: Vec3<L>,
 }
 
 impl<L: Lane> Ray<L> {
-    /// A packet from rays, one a lane.
+    /// Builds a packet from rays, one per lane.
     #[inline]
     pub fn from_lanes(rays: &[Ray<f32>]) -> Self {
         let lanes = |of: fn(&Ray<f32>) -> Vec3<f32>| {
@@ -28,7 +28,7 @@ impl<L: Lane> Ray<L> {
         };
         Self { origin: lanes(|ray| ray.origin), direction: lanes(|ray| ray.direction) }
     }
-    /// The point at `t`.
+    /// Returns the point at `t`.
     #[inline(always)]
     pub fn at(&self, t: L) -> Vec3<L> {
         self.direction.mul_add(t, self.origin)
@@ -37,9 +37,9 @@ impl<L: Lane> Ray<L> {
 
 /// The closest hit of each ray so far.
 ///
-/// `primitive` counts the scene's spheres first, then its triangles. Where nothing is hit it is [`MISS`], and
-/// t is the ray's t_max. `u` and `v` are the barycentric weights of a triangle's second and third vertex; 0
-/// on spheres.
+/// `primitive` counts the scene's spheres first, then its triangles. For a ray without a hit it is [`MISS`],
+/// and t is the ray's t_max. `u` and `v` are the barycentric weights of a triangle's second and third vertex;
+/// on spheres they are 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit<L: Lane> {
     /// The distance in multiples of the direction's length.
@@ -53,17 +53,17 @@ pub struct Hit<L: Lane> {
 }
 
 impl<L: Lane> Hit<L> {
-    /// The lanes with a hit.
+    /// Returns the lanes with a hit.
     #[inline(always)]
     pub fn found(&self) -> L::Mask {
         !self.primitive.equals(L::Bits::splat(MISS))
     }
-    /// The least of a triangle's three barycentric weights: how near the hit is to an edge.
+    /// Returns the least of a triangle's three barycentric weights: a measure of the distance from its edges.
     #[inline(always)]
     pub fn least_weight(&self) -> L {
         self.u.min(self.v).min(L::one() - self.u - self.v)
     }
-    /// Takes the hits of another in the lanes of `mask`.
+    /// Copies the hits of `other` in the lanes of `mask`.
     #[inline(always)]
     pub fn replace(&mut self, mask: L::Mask, other: &Self) {
         self.t = L::select(mask, other.t, self.t);

@@ -15,7 +15,7 @@ pub struct Vec3<L> {
 }
 
 impl Vec3<f32> {
-    /// The components where they are, for [`Vec3::broadcast`].
+    /// Returns references to the components, for [`Vec3::broadcast`].
     #[inline(always)]
     pub fn each_ref(&self) -> Vec3<&f32> {
         Vec3 { x: &self.x, y: &self.y, z: &self.z }
@@ -23,7 +23,7 @@ impl Vec3<f32> {
 }
 
 impl Vec3<&f32> {
-    /// The same vector in every lane: [`Lane::broadcast`] of each component.
+    /// Returns the same vector in every lane: [`Lane::broadcast`] of each component.
     #[inline(always)]
     pub fn broadcast<L: Lane>(self) -> Vec3<L> {
         Vec3::new(L::broadcast(self.x), L::broadcast(self.y), L::broadcast(self.z))
@@ -31,37 +31,37 @@ impl Vec3<&f32> {
 }
 
 impl<L: Lane> Vec3<L> {
-    /// A vector of its components.
+    /// Creates a vector from its components.
     #[inline(always)]
     pub fn new(x: L, y: L, z: L) -> Self {
         Self { x, y, z }
     }
-    /// The same vector in every lane.
+    /// Returns the same vector in every lane.
     #[inline(always)]
     pub fn splat(v: glam::Vec3) -> Self {
         Self::new(L::splat(v.x), L::splat(v.y), L::splat(v.z))
     }
-    /// The same number in all three components.
+    /// Returns the same number in all three components.
     #[inline(always)]
     pub fn repeat(x: L) -> Self {
         Self::new(x, x, x)
     }
-    /// The zero vector.
+    /// Returns the zero vector.
     #[inline(always)]
     pub fn zero() -> Self {
         Self::repeat(L::zero())
     }
-    /// The vector of one lane.
+    /// Returns the vector of one lane.
     #[inline(always)]
     pub fn get(self, lane: usize) -> glam::Vec3 {
         glam::Vec3::new(self.x.get(lane), self.y.get(lane), self.z.get(lane))
     }
-    /// The scalar product.
+    /// Returns the scalar product.
     #[inline(always)]
     pub fn dot(self, other: Self) -> L {
         self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
     }
-    /// The vector product.
+    /// Returns the vector product.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self::new(
@@ -70,7 +70,7 @@ impl<L: Lane> Vec3<L> {
             self.y.neg_mul_add(other.x, self.x * other.y),
         )
     }
-    /// `self · factor + addend` with one factor for all components.
+    /// Returns `self · factor + addend` with one factor for all components.
     #[inline(always)]
     pub fn mul_add(self, factor: L, addend: Self) -> Self {
         Self::new(
@@ -84,7 +84,7 @@ impl<L: Lane> Vec3<L> {
     pub fn normalize(self) -> Self {
         self * (L::one() / self.dot(self).sqrt())
     }
-    /// Lane by lane, one of two vectors.
+    /// Selects one of two vectors in each lane.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self::new(
@@ -98,7 +98,7 @@ impl<L: Lane> Vec3<L> {
     pub fn flip_sign(self, sign: L) -> Self {
         Self::new(self.x.flip_sign(sign), self.y.flip_sign(sign), self.z.flip_sign(sign))
     }
-    /// The mirror direction of an arriving direction d at a surface with unit normal `n`: d − 2 (d·n) n.
+    /// Reflects an arriving direction d at a surface with unit normal `n`: d − 2 (d·n) n.
     #[inline(always)]
     pub fn reflect(self, n: Self) -> Self {
         n.mul_add(L::splat(-2.0) * self.dot(n), self)
@@ -121,7 +121,7 @@ impl<L: Lane> Sub for Vec3<L> {
     }
 }
 
-/// Component by component, as colours multiply.
+/// Multiplies component by component, the product of colours.
 impl<L: Lane> Mul for Vec3<L> {
     type Output = Self;
     #[inline(always)]

@@ -1,14 +1,14 @@
-//! The space that the primary rays through a part of the image can reach.
+//! The part of space that the primary rays through a part of the image can reach.
 //!
-//! Conservative: sides are moved outwards by `MARGIN` times the distances involved, far more than the error
-//! of a ray or a hit in f32 (`tests/laws/visible.rs`).
+//! The frustum is conservative: its sides are moved outwards by `MARGIN` times the distances involved, far
+//! more than the error of a ray or a hit in f32 (`tests/laws/visible.rs`).
 
 use glam::DVec3;
 
-/// Relative to the distances involved: about 170 roundings.
+/// The margin relative to the distances involved: about 170 roundings.
 const MARGIN: f64 = 1e-5;
 
-/// A frustum without near and far plane, its apex at the origin of the primary rays.
+/// A frustum without near and far plane; its apex is the origin of the primary rays.
 pub struct ViewFrustum {
     apex: DVec3,
     /// The inward unit normals of the four sides, and the line of sight.
@@ -16,8 +16,8 @@ pub struct ViewFrustum {
 }
 
 impl ViewFrustum {
-    /// `corners`: the directions through the corners of the part of the image, in order around it; `forward`:
-    /// the line of sight.
+    /// Builds the frustum of a part of the image from the directions through its `corners`, in order around
+    /// it, and the line of sight `forward`.
     pub fn new(apex: DVec3, corners: [DVec3; 4], forward: DVec3) -> Self {
         let middle: DVec3 = corners.iter().map(|corner| corner.normalize()).sum();
         let side = |i: usize| {
@@ -27,7 +27,7 @@ impl ViewFrustum {
         Self { apex, normals: [side(0), side(1), side(2), side(3), forward.normalize()] }
     }
 
-    /// Are all points of the balls, of centre and radius, outside of one side?
+    /// Tests whether one side excludes all balls, each given by its centre and radius.
     pub fn excludes(&self, balls: impl Iterator<Item = (DVec3, f64)> + Clone) -> bool {
         let outside = |normal: &DVec3| {
             balls.clone().all(|(point, radius)| {

@@ -1,9 +1,9 @@
 //! Counts of the boxes and primitives that rays are tested against.
 //!
 //! A *test* is one ray, or one frustum around many rays, against one box or one primitive; empty lanes do not
-//! count. A *step* is one run through the equations: one test in the scalar traversal, up to one a
-//! lane in the others. Tests measure how well the hierarchy culls, steps what that costs; lanes times the
-//! steps is the number of tests that fit into them.
+//! count. A *step* is one run through the equations: one test in the scalar traversal, up to one per lane in
+//! the others. Tests measure how well the hierarchy culls, and steps what that costs; lanes times steps is
+//! the number of tests that would fit.
 //!
 //! Traversals take a [`CounterSink`]. The no-op sink `()` leaves no code, as long as closures capture it by
 //! value (`move`): a closure that borrows it makes the compiler emit 1 % more instructions.
@@ -18,23 +18,23 @@ use std::ops::AddAssign;
 
 /// Receives the counts of a traversal.
 pub trait CounterSink: Copy {
-    /// Tests of boxes, and the steps that they take.
+    /// Counts tests of boxes, and the steps that they take.
     #[inline(always)]
     fn boxes(self, _steps: usize, _tests: usize) {}
-    /// `rays` rays, or frusta, each against the boxes of a node in one step.
+    /// Counts `rays` rays or frusta, each against the boxes of a node in one step.
     #[inline(always)]
     fn node(self, _node: &WideNode, _rays: usize) {}
-    /// `rays` rays, each against the primitives of a leaf in one step.
+    /// Counts `rays` rays, each against the primitives of a leaf in one step.
     #[inline(always)]
     fn leaf(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
-    /// A ray against the primitives of a leaf, one after the other.
+    /// Counts one ray against the primitives of a leaf, one after the other.
     #[inline(always)]
     fn leaf_one_by_one(self, _hierarchy: &Hierarchy, _leaf: Child) {}
-    /// A packet of `rays` rays against the spheres of a leaf, one after the other.
+    /// Counts a packet of `rays` rays against the spheres of a leaf, one after the other.
     #[inline(always)]
     fn packet_spheres(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
-    /// A frustum against the boxes of a leaf's triangles, and its packet of `rays` rays against those that it
-    /// meets, one after the other.
+    /// Counts a frustum against the boxes of a leaf's triangles, and its packet of `rays` rays against those
+    /// that it meets, one after the other.
     #[inline(always)]
     fn packet_triangles(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize, _met: NativeMask) {}
 }
@@ -65,12 +65,12 @@ impl CounterSink for &Counter {
     }
 }
 
-/// Tests of one kind, and the steps that they take.
+/// The number of tests of one kind, and of the steps that they take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tests {
-    /// Rays times boxes or primitives.
+    /// The number of pairs of a ray and a box or primitive.
     pub tests: u64,
-    /// What is tested at once counts once: a packet against a primitive, a ray against the boxes of a node.
+    /// The number of runs: a packet against a primitive, or a ray against a node's boxes, counts once.
     pub steps: u64,
 }
 
@@ -119,14 +119,14 @@ impl AddAssign for Counts {
 pub struct Counter(Cell<Counts>);
 
 impl Counter {
-    /// Returns what was counted so far, and counts from 0 again.
+    /// Returns the counts so far, and restarts from 0.
     pub fn take(&self) -> Counts {
         self.0.take()
     }
     fn primitives(&self, leaf: Child, steps: usize, tests: usize) {
         self.add(|counts| counts.of_kind(leaf.kind()), steps, tests);
     }
-    /// Counts the tests of `rays` rays against so many primitives, in `packets` packets or one by one.
+    /// Counts the tests of `rays` rays against the given primitives, in `packets` packets or one by one.
     pub fn list(&self, primitives: KindCounts, packets: usize, rays: usize) {
         for (kind, count) in Kind::ALL.into_iter().zip(primitives.0) {
             self.add(|counts| counts.of_kind(kind), packets * count, rays * count);

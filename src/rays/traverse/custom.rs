@@ -1,9 +1,9 @@
-//! Tests that the caller brings, of every primitive or of those that a hierarchy leaves.
+//! Runs the caller's own tests of primitives, on every primitive or on those that a hierarchy leaves.
 //!
 //! Rays of one octant descend the wide tree together. A ray visits the children that it enters in an order
-//! that its octant alone decides, and leaves out those behind its nearest hit. So its hit does not depend on
-//! the rays beside it, not even where tests find hits outside of the boxes of their primitives; such hits
-//! may differ from those that testing every primitive gives.
+//! that only its octant decides, and skips those behind its nearest hit. Its hit therefore does not depend on
+//! the rays beside it, even if tests find hits outside the boxes of their primitives; such hits may differ
+//! from those that testing every primitive gives.
 
 use super::counter::{Counter, CounterSink};
 use super::single::NodeRay;
@@ -22,7 +22,7 @@ pub trait PrimitiveTests: Send + Sync {
     /// Improves the hits of rays with these primitives, which are given by number, in ascending order. The
     /// nearer t wins, and the lower number on a tie: see [`crate::kind::keep_if_nearer`].
     ///
-    /// Rays come in whole packets of `lanes`: 1, 8 or 16. The hit of a ray must depend neither on the rays
+    /// Rays arrive in whole packets of `lanes`: 1, 8 or 16. The hit of a ray must depend neither on the rays
     /// beside it nor on `lanes`.
     fn improve(&self, rays: &Rays, hits: &mut Hits, primitives: &[u32], lanes: usize);
 }
@@ -31,9 +31,9 @@ pub trait PrimitiveTests: Send + Sync {
 pub(super) struct Custom {
     tests: Arc<dyn PrimitiveTests>,
     counts: KindCounts,
-    /// Where the coordinates of the primitives are in the world.
+    /// The place of the primitives' coordinates in the world.
     pub coordinates: Coordinates,
-    /// The numbers of all primitives; none with a hierarchy.
+    /// The numbers of all primitives; empty if there is a hierarchy.
     all: Vec<u32>,
     /// The hierarchy, and the padding of its boxes.
     tree: Option<(Bvh, Padding)>,
@@ -54,7 +54,7 @@ impl Custom {
         self.tree.as_ref().map(|(bvh, _)| bvh)
     }
 
-    /// Improves the hits of rays in packets of `lanes`. With `any`, each ray ends at the first hit found.
+    /// Improves the hits of rays in packets of `lanes`. With `any`, each ray ends at its first hit.
     pub fn trace(&self, any: bool, lanes: usize, rays: &Rays, hits: &mut Hits, counter: Option<&Counter>) {
         let Some((bvh, padding)) = &self.tree else {
             let packets = rays.len() - rays.len() % lanes;
@@ -116,16 +116,16 @@ struct Descent<'a, 'b> {
     rays: &'a Rays<'a>,
     hits: &'a mut Hits<'b>,
     box_rays: Vec<BoxRay<f32>>,
-    /// A list of rays for each node on the way to the present one, end to end. A ray has one bit for each box
-    /// of the node that it passes.
+    /// A stack of lists, one for each node on the path to the present one. An entry is a ray and one bit for
+    /// each box of the node that it passes.
     list: Vec<(usize, u32)>,
-    /// Packets of listed rays and their hits: origin, direction, t, u, v.
+    /// Packets of listed rays and their hits: the columns are origin, direction, t, u, v.
     columns: [Vec<f32>; 9],
     primitive: Vec<u32>,
 }
 
 impl Descent<'_, '_> {
-    /// Traces the rays listed from `first` on through a node.
+    /// Traces the list that starts at `first` through a node.
     fn node(&mut self, node: &WideNode, octant: usize, first: usize) {
         let end = self.list.len();
         if let Some(counter) = self.counter {
@@ -155,7 +155,7 @@ impl Descent<'_, '_> {
         }
     }
 
-    /// Tests the rays listed from `first` on against the primitives of a leaf, in whole packets.
+    /// Tests the list that starts at `first` against the primitives of a leaf, in whole packets.
     fn leaf(&mut self, leaf: Child, first: usize) {
         let (listed, primitives) = (&self.list[first..], self.bvh.leaf(leaf).primitives());
         let whole = listed.len().next_multiple_of(self.lanes);

@@ -1,13 +1,12 @@
 //! Frusta around many rays, to cull boxes that none of the rays can meet.
 //!
 //! Rays from one origin that all run along one axis lie between a least and a greatest slope along each of
-//! the other two: four planes. A box is culled where it lies wholly beyond one of them. Only the box's corner
-//! that is furthest to the inside is tested, and each plane contains the direction of one axis, so a plane
-//! takes one FMA.
+//! the other two: four planes. A box is culled if it lies wholly beyond one of them. Only the innermost
+//! corner of the box is tested, and each plane contains the direction of one axis, so a plane takes one FMA.
 //!
-//! Conservative: a ray that passes a padded box ([`crate::kernel::ray_box::BoxRay`]) meets it within (|o| +
-//! room) 2⁻²⁰, |o| the largest component and room as [`Padding::room`] gives it; the frustum leaves twice
-//! that, along both axes of a side.
+//! The culling is conservative. A ray that passes a padded box ([`crate::kernel::ray_box::BoxRay`]) meets it
+//! within (|o| + room) 2⁻²⁰, where |o| is the largest component and room is [`Padding::room`]; the frustum
+//! adds twice that along both axes of a side.
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005.
 
@@ -17,26 +16,26 @@ use crate::kernel::ray_box::Padding;
 use crate::lane::{F32x8, Lane, Mask, Mask8, Native, NativeMask};
 use crate::math::{Ray, Vec3};
 
-/// Boxes, one a lane: their lower and upper planes along an axis.
+/// Boxes, one per lane: their lower and upper planes along an axis.
 type Planes = [Native; 2];
 
 /// The common origin of a tile's rays, and the axis along which they run: all frusta of the tile share it.
 #[derive(Clone, Copy)]
 pub struct FrustumAxis {
-    /// The axis along which all rays run, then the other two.
+    /// The indices of the axis along which all rays run and of the other two.
     axes: [usize; 3],
-    /// The sign of the rays' direction along it: 1 or −1.
+    /// The sign of the rays' direction along the axis: 1 or −1.
     forward: f32,
     origin: [f32; 3],
-    /// Padding of boxes on every side, in scene units.
+    /// The padding of boxes on every side, in scene units.
     padding: f32,
 }
 
-/// Slopes of the packets of a tile along the two other axes, per unit along the first.
+/// The slopes of the packets of a tile along the two other axes, per unit along the first.
 pub type Slopes<const PACKETS: usize> = [[F32x8; PACKETS]; 2];
 
 impl FrustumAxis {
-    /// From one of the rays; `None` where the rounding error has no finite bound.
+    /// Takes origin and axis from one of the rays; `None` if the rounding error has no finite bound.
     pub fn of(ray: &Ray<f32>, padding: Padding) -> Option<Self> {
         let components = |v: Vec3<f32>| [v.x, v.y, v.z];
         let (direction, origin) = (components(ray.direction), components(ray.origin));
@@ -55,8 +54,8 @@ impl FrustumAxis {
         padding.is_finite().then_some(Self { axes, forward, origin, padding })
     }
 
-    /// The slopes of all rays, and the least and the greatest along each axis; `None` where a ray has another
-    /// origin or does not run along the axis. Domain: whole packets, at most `N`.
+    /// Computes the slopes of all rays; returns the least and the greatest along each axis, or `None` if a
+    /// ray has another origin or does not run along the axis. Domain: whole packets, at most `N`.
     #[inline(always)]
     pub fn slopes<const N: usize>(&self, rays: &Rays, slopes: &mut Slopes<N>) -> Option<[[F32x8; 2]; 2]> {
         let mut fits = Mask8::splat(true);
@@ -72,7 +71,7 @@ impl FrustumAxis {
             let inverse = F32x8::one() / main;
             for (i, (others, to)) in [(a, to_a), (b, to_b)].into_iter().enumerate() {
                 let slope = F32x8::load(others) * inverse;
-                // A frustum with greater slopes culls nothing; a NaN fails the comparison.
+                // A frustum with greater slopes would cull nothing; a NaN fails the comparison.
                 fits = fits & slope.abs().le(F32x8::splat(f32::powi(2.0, 20)));
                 span[i] = [span[i][0].min(slope), span[i][1].max(slope)];
                 *to = slope;
@@ -83,8 +82,8 @@ impl FrustumAxis {
             .then(|| span.map(|[low, high]| [F32x8::splat(-greatest(-low)), F32x8::splat(greatest(high))]))
     }
 
-    /// The shares of the two sides of a tile that boxes cover, seen from the origin: an estimate, 0 for boxes
-    /// beside the tile. `span` is that of [`FrustumAxis::slopes`].
+    /// Estimates the shares of the two sides of a tile that boxes cover, seen from the origin: 0 for boxes
+    /// beside the tile. `span` is the result of [`FrustumAxis::slopes`].
     #[inline(always)]
     pub fn covered(&self, span: &[[F32x8; 2]; 2], boxes: &Boxes) -> [Native; 2] {
         let [main, others @ ..] = self.axes;
@@ -103,21 +102,21 @@ impl FrustumAxis {
         })
     }
 
-    /// The distances along the axis at t = 1 of the rays of a packet from `at` on.
+    /// Returns the distances along the axis at t = 1 of the rays of the packet that starts at `at`.
     #[inline(always)]
     pub fn depths<L: Lane>(&self, rays: &Rays, at: usize) -> L {
         L::load(&rays.direction[self.axes[0]][at..]).abs()
     }
 
-    /// Eight frusta, one a lane, around all rays between these slopes: for each of the other axes the least
-    /// and the greatest.
+    /// Returns eight frusta, one per lane, around all rays between these slopes: for each of the other axes
+    /// the least and the greatest.
     #[inline(always)]
     pub fn frusta(&self, spans: [[F32x8; 2]; 2]) -> Frusta {
         let Self { axes: [main, others @ ..], forward, origin, padding } = *self;
         let side = |i: usize, slope: F32x8, steepest: F32x8, outwards: f32| {
             let outwards = F32x8::splat(outwards);
-            // 8 ε of the steeper slope for the rounding of slopes (the padding alone would do); then the
-            // box's padding along both axes.
+            // The margin is 8 ε of the steeper slope for the rounding of slopes (the padding alone would do),
+            // then the box's padding along both axes.
             let slope = (outwards * steepest).mul_add(F32x8::splat(f32::powi(0.5, 21)), slope);
             let tilt = slope * F32x8::splat(-forward);
             let bound = tilt.mul_add(F32x8::splat(origin[main]), F32x8::splat(origin[others[i]]));
@@ -132,13 +131,13 @@ impl FrustumAxis {
         Frusta { sides }
     }
 
-    /// One of eight frusta.
+    /// Returns one of eight frusta.
     #[inline(always)]
     pub fn frustum(&self, frusta: &Frusta, lane: usize) -> Frustum {
         let start = self.forward * self.origin[self.axes[0]];
         let side = |[tilt, bound]: &[[f32; 8]; 2], outwards: f32| {
             let (tilt, bound) = (tilt[lane & 7], bound[lane & 7]);
-            // The corner that is furthest to the inside.
+            // The innermost corner of the box.
             let corner = usize::from(tilt * outwards <= 0.0);
             Side { tilt: Native::splat(tilt), bound: Native::splat(bound), corner }
         };
@@ -162,32 +161,32 @@ pub struct Frusta {
 /// The planes around a packet or a tile of rays.
 #[derive(Clone, Copy)]
 pub struct Frustum {
-    /// As in [`FrustumAxis`].
+    /// See [`FrustumAxis`].
     axes: [usize; 3],
-    /// 1 where the rays run downwards along the axis, else 0.
+    /// 1 if the rays run downwards along the axis, else 0.
     backwards: usize,
     forward: Native,
     /// Offsets from a coordinate along the axis to a lower and an upper bound of the distance along it.
     near: Native,
     far: Native,
-    /// For each of the other axes, the lower and the upper one.
+    /// For each of the other axes, the lower and the upper side.
     sides: [[Side; 2]; 2],
 }
 
-/// A plane: points whose coordinate across the axis plus `tilt` times the coordinate along it is `bound`.
+/// A plane: the points whose coordinate across the axis plus `tilt` times that along it equals `bound`.
 #[derive(Clone, Copy)]
 struct Side {
     tilt: Native,
     bound: Native,
-    /// The plane along the axis, 0 the lower and 1 the upper one, of the box's corner that is furthest to the
-    /// inside.
+    /// The plane of a box along the axis that contains its innermost corner: 0 the lower one, 1 the upper
+    /// one.
     corner: usize,
 }
 
 impl Frustum {
-    /// A lower bound of the distance along the axis at which each box begins, and which boxes a ray may meet
-    /// before `limit`; empty boxes and NaN are culled. `main` gives the boxes' lower planes along that axis
-    /// for 0, the upper ones for 1; `across` both along another axis.
+    /// Returns a lower bound of the distance along the axis at which each box begins, and the boxes that a
+    /// ray may meet before `limit`; empty boxes and NaN are culled. `main` returns the boxes' lower planes
+    /// along that axis for 0 and the upper ones for 1; `across` returns both along another axis.
     #[inline(always)]
     pub fn pass(
         &self,
@@ -201,8 +200,8 @@ impl Frustum {
         (near, ahead & self.across(&main, across))
     }
 
-    /// Which boxes reach between the sides; NaN does not, an empty box only where the rounding error has no
-    /// finite bound.
+    /// Returns the boxes that reach between the sides. NaN does not; an empty box does only if the rounding
+    /// error has no finite bound.
     #[inline(always)]
     fn across(&self, main: impl Fn(usize) -> Native, across: impl Fn(usize) -> Planes) -> NativeMask {
         let between = |i: usize| {
@@ -215,19 +214,19 @@ impl Frustum {
         between(0) & between(1)
     }
 
-    /// The axis along which the rays run.
+    /// Returns the axis along which the rays run.
     #[inline(always)]
     pub fn axis(&self) -> usize {
         self.axes[0]
     }
 
-    /// Which boxes, in the layout of a node, reach between the sides.
+    /// Returns the boxes, in the layout of a node, that reach between the sides.
     #[inline(always)]
     pub fn across_boxes(&self, boxes: &Boxes) -> NativeMask {
         self.across(|upper| plane(boxes, self.axes[0] + 3 * upper), |axis| planes(boxes, axis))
     }
 
-    /// [`Frustum::pass`] of boxes in the layout of a node.
+    /// Applies [`Frustum::pass`] to boxes in the layout of a node.
     #[inline(always)]
     pub fn pass_boxes(&self, boxes: &Boxes, limit: f32) -> (Native, NativeMask) {
         self.pass(|upper| plane(boxes, self.axes[0] + 3 * upper), |axis| planes(boxes, axis), limit)
@@ -248,7 +247,7 @@ fn planes(boxes: &Boxes, axis: usize) -> Planes {
 /// keeps a row index inside.
 pub type Boxes = [[f32; WIDE]; 8];
 
-/// The greatest lane. Domain: no lane is NaN.
+/// Returns the greatest lane. Domain: no lane is NaN.
 #[inline(always)]
 pub fn greatest<L: Lane>(x: L) -> f32 {
     let mut lanes = [f32::NEG_INFINITY; 16];
@@ -256,7 +255,7 @@ pub fn greatest<L: Lane>(x: L) -> f32 {
     let [low, high] = [F32x8::load(&lanes), F32x8::load(&lanes[8..])];
     let mut lanes = [0.0; 8];
     low.max(high).store(&mut lanes);
-    // Not f32::max, which takes three instructions for NaN.
+    // Not f32::max, which takes three instructions because of NaN.
     for half in [4, 2, 1] {
         for lane in 0..half {
             lanes[lane] = Lane::max(lanes[lane], lanes[lane + half]);

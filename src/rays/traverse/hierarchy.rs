@@ -13,25 +13,25 @@ use crate::math::{Hit, Ray};
 use crate::prepared::SingleRay;
 use rayon::prelude::*;
 
-/// The bounding volume hierarchy, and the primitives of its leaves as intersection reads them.
+/// The bounding volume hierarchy, and the primitives of its leaves in the form that tests read.
 pub struct Hierarchy {
     /// The trees.
     pub bvh: Bvh,
-    /// What box tests are padded by.
+    /// The padding of box tests.
     pub padding: Padding,
-    /// Where the coordinates of the primitives are in the world.
+    /// The place of the primitives' coordinates in the world.
     pub(super) coordinates: Coordinates,
     triangles: TriangleLeaves,
     spheres: Vec<SphereLeaf>,
 }
 
 impl Hierarchy {
-    /// [`Trees::WideAndBinary`] for the scalar traversal, which alone reads the binary tree.
+    /// Builds the hierarchy. Only the scalar traversal reads the binary tree of [`Trees::WideAndBinary`].
     pub fn new(geometry: &Geometry, trees: Trees) -> Self {
         Self::in_layout(geometry, trees, None)
     }
 
-    /// The same with the leaves of triangles in a given layout; `None` chooses by their size.
+    /// Builds the hierarchy with a given layout of triangle leaves; `None` chooses by their size.
     pub fn in_layout(geometry: &Geometry, trees: Trees, layout: Option<Layout>) -> Self {
         let (bvh, padding) = rayon::join(|| Bvh::new(geometry, trees), || geometry.padding());
         let leaves = |kind: Kind| bvh.leaves[kind as usize].as_slice();
@@ -47,17 +47,17 @@ impl Hierarchy {
         }
     }
 
-    /// Bytes of nodes and leaves.
+    /// Returns the size of nodes and leaves in bytes.
     pub fn bytes(&self) -> usize {
         self.bvh.bytes() + self.triangles.bytes() + size_of_val(self.spheres.as_slice())
     }
 
-    /// Number of primitives of a leaf.
+    /// Returns the number of primitives of a leaf.
     pub fn filled(&self, leaf: Child) -> usize {
         self.bvh.leaf(leaf).primitives().len()
     }
 
-    /// One ray against all primitives of a leaf at once.
+    /// Tests one ray against all primitives of a leaf at once.
     #[inline(always)]
     pub fn intersect_leaf(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
         match leaf.kind() {
@@ -68,7 +68,7 @@ impl Hierarchy {
         }
     }
 
-    /// One ray against the primitives of a leaf, one after the other: for the scalar baseline.
+    /// Tests one ray against the primitives of a leaf, one after the other: for the scalar baseline.
     #[inline(always)]
     pub fn intersect_leaf_one_by_one(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {
         match leaf.kind() {
@@ -84,14 +84,14 @@ impl Hierarchy {
         }
     }
 
-    /// Visits a leaf of triangles.
+    /// Calls `visit` with a leaf of triangles.
     #[inline(always)]
     pub fn with_triangles<R>(&self, leaf: usize, visit: impl FnOnce(&TriangleLeaf) -> R) -> R {
         self.triangles.with(leaf, visit)
     }
 
-    /// The leaves of triangles in these slots of a node, one bit each; other slots refer to an empty leaf.
-    /// Compact ones are expanded into `room`.
+    /// Returns the leaves of triangles in the slots `reached` of a node, one bit each, and an empty leaf for
+    /// other slots. Compact leaves are expanded into `room`.
     #[inline(always)]
     pub fn triangle_leaves<'a>(
         &'a self,

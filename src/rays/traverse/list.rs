@@ -1,9 +1,9 @@
-//! Every ray against every primitive: fastest for small scenes, and the result that every other traversal
-//! must equal.
+//! Tests every ray against every primitive: fastest for small scenes, and the result that every other
+//! traversal must equal.
 //!
 //! Each kind of primitive has a loop over the rays. In short loops the processor works on several packets at
-//! a time, and what a ray needs stays in registers: with 16 lanes 1.03 to 1.1 times as fast as one loop in
-//! scenes that have both kinds; with 8 there is no difference.
+//! a time, and a ray's values stay in registers: with 16 lanes this is 1.03 to 1.1 times as fast as one loop
+//! in scenes that have both kinds; with 8 there is no difference.
 
 use super::counter::Counter;
 use crate::candidates::Candidates;
@@ -17,7 +17,7 @@ use crate::lane::Lane;
 pub struct List {
     spheres: sphere::List,
     triangles: triangle::List,
-    /// Where the coordinates of the primitives are in the world.
+    /// The place of the primitives' coordinates in the world.
     pub(super) coordinates: Coordinates,
 }
 
@@ -32,8 +32,8 @@ impl List {
         }
     }
 
-    /// Finds the nearest hit of each ray by testing every primitive, or those that are `listed`: then they
-    /// hold all that the rays can hit. A `counter` counts the tests.
+    /// Finds the nearest hit of each ray by testing every primitive, or only the `listed` ones, which must
+    /// include all that the rays can hit. A `counter` counts the tests.
     pub fn trace<L: Lane>(
         &self,
         rays: &Rays,

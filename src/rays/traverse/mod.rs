@@ -1,4 +1,4 @@
-//! Which primitive a ray hits first.
+//! Finds the primitive that a ray hits first.
 //!
 //! | file | traversal |
 //! |---|---|
@@ -7,13 +7,13 @@
 //! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
-//! | `custom` | either, by the caller's own tests of primitives |
+//! | `custom` | list or wide tree, with the caller's own tests of primitives |
 //!
-//! A [`Structure`] holds the list or the hierarchy, and a [`Tracer`] answers queries by it. Traversals share
+//! A [`Structure`] holds the list or the hierarchy, and a [`Tracer`] runs queries on it. Traversals share
 //! [`hierarchy`] (nodes and leaves), [`stack`], and [`counter`], which counts the tests.
 //!
-//! The law of every traversal: it gives the same hit, bit for bit, as testing every primitive in order. The
-//! nearest t wins, and the lower number on a tie.
+//! Every traversal gives the same hit, bit for bit, as testing every primitive in order. The nearest t wins,
+//! and the lower number on a tie.
 
 pub mod counter;
 mod custom;

@@ -1,8 +1,8 @@
-//! The primitives that can lie between surfaces and targets, such as the lights of a room.
+//! Finds the primitives that can lie between surfaces and targets, such as the lights of a room.
 //!
-//! Segments run from surfaces to targets. A triangle's plane with all surfaces on one side, such as a room's
-//! wall, comes between no two points of them; nor does one that holds all targets, nor a sphere with
-//! everything inside. In rooms with few other surfaces that leaves few tests.
+//! Segments run from surfaces to targets. A triangle whose plane has all surfaces on one side, such as a
+//! room's wall, blocks no segment; nor does a triangle whose plane holds all targets, nor a sphere that has
+//! everything inside. In rooms with few other surfaces, few tests remain.
 
 use super::hierarchy::Hierarchy;
 use super::structure::MAX_LIST_COST;
@@ -12,27 +12,27 @@ use crate::geometry::{Geometry, Shape};
 use crate::kind::Sphere;
 use glam::DVec3;
 
-/// How far beyond a plane or sphere a surface may reach that counts as on its near side, as a multiple of the
-/// largest coordinate, of a target its own: what rounding of a wall's vertices does to its plane. Rays leave
+/// How far a surface may reach beyond a plane or sphere and still count as on its near side, relative to the
+/// largest coordinate (for a target, its own): rounding of vertices moves a wall's plane so far. Rays leave
 /// surfaces four times as far above them ([`crate::kernel::surface::triangle_offset`]).
 const TOLERANCE: f64 = 4.0 * (f32::EPSILON / 2.0) as f64;
 
-/// The primitives that can lie between a surface and a target, where some cannot.
+/// The primitives that can lie between a surface and a target, in scenes where some cannot.
 ///
-/// Every traversal leaves out the others: a ray that starts a rounding error behind a wall, as some do in
-/// corners, would hit it and must not in one traversal alone.
+/// Every traversal skips the others: a ray that starts a rounding error behind a wall, as some do in corners,
+/// would hit it, and then traversals would differ.
 pub(super) struct Occluders {
-    /// For a list.
+    /// The occluders for a list.
     pub candidates: Candidates,
-    /// For the traversals of a hierarchy.
+    /// The occluders for the traversals of a hierarchy.
     pub hierarchy: Option<Hierarchy>,
 }
 
 impl Occluders {
     /// Finds the occluders of a geometry, which may have a `hierarchy`; `None` if every primitive may be one.
     ///
-    /// They are found only where testing all primitives would be fast, up to [`MAX_LIST_COST`], which bounds
-    /// the time for it, too.
+    /// Occluders are sought only if testing all primitives would be fast, up to [`MAX_LIST_COST`], which
+    /// bounds the time of the search, too.
     pub fn find(
         geometry: &Geometry,
         is_target: impl Fn(usize) -> bool,
@@ -56,11 +56,11 @@ impl Occluders {
     }
 }
 
-/// Points and spheres between which segments run.
+/// The points and spheres between which segments run.
 struct Surfaces {
-    /// Centre and radius: of spheres, and 0 of a triangle's vertices. Whether it is of a target.
+    /// Centre and radius (0 for a triangle's vertices), and whether the ball belongs to a target.
     balls: Vec<(DVec3, f64, bool)>,
-    /// The sphere that is the only target.
+    /// The number of the sphere that is the only target.
     only_target: Option<usize>,
     /// The largest coordinate.
     largest: f64,
@@ -82,7 +82,7 @@ impl Surfaces {
         }
     }
 
-    /// [`TOLERANCE`] in units of the scene.
+    /// Returns [`TOLERANCE`] in units of the scene.
     fn tolerance(&self, (center, radius, is_target): (DVec3, f64, bool)) -> f64 {
         TOLERANCE * if is_target { center.abs().max_element() + radius } else { self.largest }
     }
@@ -95,7 +95,7 @@ impl Surfaces {
         }
     }
 
-    /// Whether a sphere has all surfaces inside: it is convex, so that no ray between them leaves it.
+    /// Tests whether a sphere has all surfaces inside: it is convex, so no ray between them leaves it.
     fn are_inside(&self, sphere: Sphere) -> bool {
         let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
         self.balls.iter().all(|&ball| ball.0.distance(center) + ball.1 <= radius + self.tolerance(ball))
@@ -105,7 +105,7 @@ impl Surfaces {
     fn may_separate(&self, vertices: [glam::Vec3; 3]) -> bool {
         let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
         let normal = (b - a).cross(c - a).normalize();
-        // By side: whether any surface reaches there, and any target.
+        // For each side: whether any surface reaches it, and whether any target does.
         let (mut surfaces, mut targets) = ([false; 2], [false; 2]);
         for &ball in &self.balls {
             let ((center, radius, is_target), tolerance) = (ball, self.tolerance(ball));

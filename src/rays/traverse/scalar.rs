@@ -1,5 +1,5 @@
-//! One ray on the binary tree, one box and one primitive at a time, without SIMD: the baseline of every
-//! reported speed-up.
+//! Traces one ray through the binary tree, one box and one primitive at a time, without SIMD: the baseline of
+//! every reported speed-up.
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
@@ -9,7 +9,7 @@ use crate::kernel::ray_box::BoxRay;
 use crate::math::{Hit, MISS, Vec3};
 use crate::prepared::SingleRay;
 
-/// Improves `hit`, whose `t` comes in as the ray's t_max; with `ANY`, ends at the first hit found.
+/// Improves `hit`, whose `t` is at first the ray's t_max; with `ANY`, ends at the first hit found.
 ///
 /// # Panics
 /// If the hierarchy has no binary tree ([`crate::bvh::Trees::Wide`]).
@@ -70,7 +70,7 @@ pub fn trace<const ANY: bool>(
     }
 }
 
-/// The distance at which the ray enters a box; NaN where it passes none of it before `t_max`.
+/// Returns the distance at which the ray enters a box; NaN if it does not pass the box before `t_max`.
 #[inline(always)]
 fn entry(box_ray: &BoxRay<f32>, lo: Vec3<f32>, hi: Vec3<f32>, t_max: f32) -> f32 {
     let (near, far) = box_ray.pass(lo, hi);

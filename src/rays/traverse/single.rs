@@ -1,6 +1,6 @@
-//! One ray against the boxes of a wide node at once.
+//! Tests one ray against all boxes of a wide node at once.
 //!
-//! For incoherent rays: each step tests the boxes of a node, pushes those that the ray passes on a stack by
+//! For incoherent rays: each step tests the boxes of a node, pushes those that the ray passes onto a stack by
 //! one compressed store, and continues with the nearest.
 
 use super::counter::CounterSink;
@@ -12,8 +12,8 @@ use crate::lane::{Lane, Mask, Native, NativeMask};
 use crate::math::{Hit, MISS, Vec3};
 use crate::prepared::{SingleRay, splat_box_ray};
 
-/// A ray in all lanes, and the rows of a node's planes in the order in which the ray meets them:
-/// chosen once a ray by the direction's signs, where [`BoxRay::pass`] selects for each box.
+/// A ray in all lanes, and the rows of a node's planes in the order in which the ray meets them. The order is
+/// chosen once per ray by the direction's signs; [`BoxRay::pass`] chooses it for each box.
 #[derive(Clone, Copy)]
 pub(super) struct NodeRay {
     box_ray: BoxRay<Native>,
@@ -41,7 +41,7 @@ impl NodeRay {
             Vec3::new(Native::load(&planes[x]), Native::load(&planes[y]), Native::load(&planes[z]))
         };
         let (near, far) = self.box_ray.interval(rows(self.first), rows(self.second));
-        // min and max return their second operand where one is NaN: in this order a NaN is kept and passes no
+        // min and max return their second operand if one is NaN: in this order a NaN is kept and passes no
         // box, not even an empty one.
         let entry = Native::zero().max(near);
         let exit = Native::splat(t_max).min(far);
@@ -49,7 +49,7 @@ impl NodeRay {
     }
 }
 
-/// Improves `hit`, whose `t` comes in as the ray's t_max; with `ANY`, ends at the first hit found.
+/// Improves `hit`, whose `t` is at first the ray's t_max; with `ANY`, ends at the first hit found.
 pub fn trace<const ANY: bool>(
     hierarchy: &Hierarchy,
     ray: &SingleRay,

@@ -1,4 +1,4 @@
-//! The structure that answers queries about primitives: a list of all, or a hierarchy.
+//! The structure that answers queries about primitives: a list or a hierarchy.
 
 use super::custom::{Custom, PrimitiveTests};
 use super::hierarchy::Hierarchy;
@@ -24,13 +24,13 @@ pub const MAX_LIST_COST: usize = 240;
 #[derive(Clone)]
 pub struct Structure {
     pub(super) primitives: Primitives,
-    /// The primitives that shadow rays are tested against, if not all.
+    /// The primitives that shadow rays are tested against; `None` means all.
     pub(super) occluders: Option<Arc<Occluders>>,
-    /// The width of packets in a list, and in tests of the caller.
+    /// The width of packets in a list, and in the caller's tests.
     pub(super) lanes: usize,
 }
 
-/// Primitives as a traversal reads them.
+/// The primitives in the form that a traversal reads.
 #[derive(Clone)]
 pub(super) enum Primitives {
     List(Arc<List>),
@@ -39,7 +39,7 @@ pub(super) enum Primitives {
 }
 
 impl Structure {
-    /// Builds a list of few primitives, or the hierarchy of many: the structure that answers sooner.
+    /// Builds a list of few primitives or a hierarchy of many, whichever is faster.
     pub fn new(geometry: &Geometry) -> Self {
         if geometry.counts().list_cost() <= MAX_LIST_COST {
             Self::list(geometry, NATIVE_WIDTH)
@@ -48,12 +48,12 @@ impl Structure {
         }
     }
 
-    /// Builds a list whose packets have `lanes` rays: 1, 8 or 16.
+    /// Builds a list that traces packets of `lanes` rays: 1, 8 or 16.
     pub fn list(geometry: &Geometry, lanes: usize) -> Self {
         Self::new_with(Primitives::List(Arc::new(List::new(geometry))), lanes)
     }
 
-    /// Builds a list whose primitives `tests` tests, in packets of `lanes` rays.
+    /// Builds a list that uses the caller's `tests` of primitives, in packets of `lanes` rays.
     pub fn list_with(geometry: &Geometry, tests: Arc<dyn PrimitiveTests>, lanes: usize) -> Self {
         Self::new_with(Primitives::Custom(Arc::new(Custom::list(geometry, tests))), lanes)
     }
@@ -63,9 +63,9 @@ impl Structure {
         Self::from_hierarchy(Hierarchy::new(geometry, traversal.trees()), traversal)
     }
 
-    /// Builds a hierarchy whose primitives `tests` tests, in packets of `lanes` rays. It has a traversal of
-    /// its own. Where a test finds a hit outside of the primitive's box, the result may differ from that of
-    /// [`Structure::list_with`].
+    /// Builds a hierarchy that uses the caller's `tests` of primitives, in packets of `lanes` rays. It has a
+    /// traversal of its own. If a test finds a hit outside the primitive's box, the result may differ from
+    /// that of [`Structure::list_with`].
     pub fn tree_with(geometry: &Geometry, tests: Arc<dyn PrimitiveTests>, lanes: usize) -> Self {
         Self::new_with(Primitives::Custom(Arc::new(Custom::tree(geometry, tests))), lanes)
     }
@@ -83,7 +83,7 @@ impl Structure {
         Self { primitives, occluders: None, lanes }
     }
 
-    /// Returns a structure that reads the same hierarchy by another traversal. A list stays a list, and
+    /// Returns a structure that traces the same hierarchy with another traversal. A list stays a list, and
     /// the caller's tests keep their traversal.
     pub fn with_traversal(&self, traversal: Traversal) -> Self {
         let mut other = self.clone();
@@ -93,9 +93,9 @@ impl Structure {
         other
     }
 
-    /// Finds the primitives that can lie between a surface and a target, if not all can: then
-    /// [`super::Tracer::occluded`] tests no others. All rays that it is asked about must run from a surface
-    /// of the geometry, or from as far above it as spawned rays start, to a point of a primitive for which
+    /// Finds the primitives that can lie between a surface and a target, if not all can:
+    /// [`super::Tracer::occluded_in_scene`] then tests no others. All its rays must run from a surface of the
+    /// geometry, or from the height above it at which spawned rays start, to a point of a primitive for which
     /// `is_target(number)` is true. The caller's tests always test all.
     pub fn with_targets(mut self, geometry: &Geometry, is_target: impl Fn(usize) -> bool) -> Self {
         let hierarchy = match &self.primitives {
@@ -113,12 +113,12 @@ impl Structure {
         matches!(self.primitives, Primitives::List(_))
     }
 
-    /// Returns the candidates among which [`super::Tracer::occluded`] looks for hits, if not all primitives.
+    /// Returns the candidates that [`super::Tracer::occluded_in_scene`] tests; `None` means all primitives.
     pub fn occluders(&self) -> Option<&Candidates> {
         self.occluders.as_ref().map(|occluders| &occluders.candidates)
     }
 
-    /// Returns the statistics of the hierarchy over this geometry, or the first fault in it; `None` for a
+    /// Returns the statistics of the hierarchy over this geometry, or its first fault. Returns `None` for a
     /// list.
     pub fn check(&self, geometry: &Geometry) -> Option<Result<Statistics, String>> {
         match &self.primitives {
@@ -128,7 +128,7 @@ impl Structure {
         }
     }
 
-    /// Returns where the coordinates of the primitives are in the world.
+    /// Returns the place of the primitives' coordinates in the world.
     pub(super) fn coordinates(&self) -> Coordinates {
         match &self.primitives {
             Primitives::List(list) => list.coordinates,
@@ -137,7 +137,7 @@ impl Structure {
         }
     }
 
-    /// Returns the bytes of the hierarchy's nodes and leaves; 0 for a list.
+    /// Returns the size of the hierarchy's nodes and leaves in bytes; 0 for a list.
     pub fn bytes(&self) -> usize {
         match &self.primitives {
             Primitives::List(_) => 0,

@@ -1,4 +1,4 @@
-//! Queries: closest hit and any hit, of whole batches of rays.
+//! Runs queries on whole batches of rays: closest hit and any hit.
 
 use super::counter::{Counter, CounterSink, Counts};
 use super::hierarchy::Hierarchy;
@@ -21,11 +21,11 @@ use crate::prepared::SingleRay;
 pub enum Traversal {
     /// One ray at a time through the binary tree, without SIMD: the baseline.
     Scalar,
-    /// One ray at a time against the boxes of a node, or the primitives of a leaf, at once.
+    /// One ray at a time, against all boxes of a node, or all primitives of a leaf, at once.
     Single,
-    /// Tiles of camera rays in a frustum; other rays as [`Traversal::Stream`] traces them.
+    /// Tiles of camera rays in a frustum; all other rays in streams.
     Packet,
-    /// Many rays together down the tree.
+    /// Many rays together, down the tree.
     Stream,
     /// The traversal that measured fastest for the rays at hand.
     #[default]
@@ -36,20 +36,20 @@ impl Traversal {
     /// All traversals, the baseline first.
     pub const ALL: [Self; 5] = [Self::Scalar, Self::Single, Self::Packet, Self::Stream, Self::Hybrid];
 
-    /// Returns the number of lanes that it works with.
+    /// Returns the number of lanes of the traversal.
     pub fn lanes(self) -> usize {
         if self == Self::Scalar { 1 } else { NATIVE_WIDTH }
     }
-    /// Returns the trees that it reads.
+    /// Returns the trees that the traversal reads.
     pub fn trees(self) -> Trees {
         if self == Self::Scalar { Trees::WideAndBinary } else { Trees::Wide }
     }
 }
 
-/// The working memory of one thread, which answers queries.
+/// The working memory of one thread, and the queries that use it.
 ///
-/// Queries improve hits: a ray ends at its t_max ([`Rays::until`]), or at the `t` that its hit comes with if
-/// that is less. A ray that hits nothing keeps its `primitive`.
+/// Queries improve hits: a ray ends at its t_max ([`Rays::until`]), or at the initial `t` of its hit if that
+/// is less. A ray that hits nothing keeps its `primitive`.
 #[derive(Default)]
 pub struct Tracer {
     memory: Memory,
@@ -60,25 +60,25 @@ pub struct Tracer {
 #[derive(Default)]
 struct Memory {
     stack: Stack,
-    /// Two MiB, allocated at first use.
+    /// The memory of streams: two MiB, allocated at first use.
     stream: Option<Box<Stream>>,
 }
 
 impl Tracer {
-    /// Allocates nothing until it is first used.
+    /// Creates a tracer, which allocates nothing until it is first used.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Finds the closest hit of each ray, in the coordinates of the world ([`Coordinates`]). Directions may
-    /// have any length above 0, in which `t` counts; other directions hit nothing.
+    /// Finds the closest hit of each ray, in world coordinates ([`Coordinates`]). Directions may have any
+    /// length above 0, which is then the unit of `t`; other directions hit nothing.
     pub fn closest(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
         self.in_world::<false>(structure, rays, hits);
     }
 
-    /// Finds out which rays hit anything, in the coordinates of the world: there `primitive` is not
-    /// [`MISS`]. All else in the hits is unspecified. Rays are tested against all primitives, whatever
-    /// [`Structure::with_targets`] said.
+    /// Tests which rays hit anything, in world coordinates: their `primitive` is not [`MISS`]. Everything
+    /// else in the hits is unspecified. Rays are tested against all primitives, even those that
+    /// [`Structure::with_targets`] excludes.
     pub fn occluded(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
         self.in_world::<true>(structure, rays, hits);
     }
@@ -96,7 +96,7 @@ impl Tracer {
             columns.iter_mut().zip(of_ray).for_each(|(column, x)| column.push(x));
             let (end, scale) = (rays.t_max::<f32>(at), length / unit);
             let end = if end > hits.t[at] { hits.t[at] } else { end };
-            // A NaN, as of a direction of length 0, is no hit.
+            // A NaN, as from a direction of length 0, is no hit.
             hits.t[at] = if length > 0.0 { (f64::from(end) * scale) as f32 } else { f32::NAN };
             ends.push((end, hits.t[at], scale));
         }
@@ -128,7 +128,7 @@ impl Tracer {
         }
     }
 
-    /// Finds out which rays hit anything, as [`Tracer::closest_in_scene`] does the closest hits. With
+    /// Tests which rays hit anything, in the coordinates of [`Tracer::closest_in_scene`]. With
     /// [`Structure::with_targets`], primitives that cannot lie between a surface and a target are left out.
     pub fn occluded_in_scene(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
         let Self { memory, counter } = self;
@@ -148,8 +148,8 @@ impl Tracer {
         }
     }
 
-    /// Finds the closest hits of rays one by one: to count each ray's tests, or for so few rays that nothing
-    /// is shared. The result is that of [`Tracer::closest_in_scene`].
+    /// Finds the closest hits of rays one by one: to count each ray's tests, or for so few rays that they
+    /// share nothing. The result is that of [`Tracer::closest_in_scene`].
     pub fn closest_one_by_one(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
         let Self { memory, counter } = self;
         match &structure.primitives {
@@ -166,9 +166,9 @@ impl Tracer {
         }
     }
 
-    /// Improves the hits of rays in the coordinates of the structure, with directions of unit length. They
-    /// end at the `t` that their hits come with, and nowhere else. With `ANY`, each ray ends at the first hit
-    /// found: then only whether `primitive` is [`MISS`] is defined.
+    /// Improves the hits of rays in the coordinates of the structure, with directions of unit length. The
+    /// initial `t` of a hit is its ray's only end. With `ANY`, each ray ends at the first hit found: then
+    /// only whether `primitive` is [`MISS`] is defined.
     pub fn improve<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
         let Self { memory, counter } = self;
         match &structure.primitives {
@@ -180,8 +180,8 @@ impl Tracer {
         }
     }
 
-    /// [`Tracer::improve`] of a hierarchy by any traversal. Without a binary tree, [`Traversal::Scalar`] is
-    /// [`Traversal::Single`]: the hits are the same.
+    /// Applies [`Tracer::improve`] to a hierarchy with any traversal. Without a binary tree,
+    /// [`Traversal::Scalar`] is [`Traversal::Single`]: the hits are the same.
     pub fn trace<const ANY: bool>(
         &mut self,
         traversal: Traversal,
@@ -202,7 +202,7 @@ impl Tracer {
         self.counter = None;
     }
 
-    /// Runs queries whose tests are not counted.
+    /// Runs queries without counting their tests.
     pub fn without_counting<R>(&mut self, run: impl FnOnce(&mut Self) -> R) -> R {
         let counter = self.counter.take();
         let result = run(self);
@@ -210,7 +210,7 @@ impl Tracer {
         result
     }
 
-    /// Returns the tests since the last call, or since counting began; nothing where tests are not counted.
+    /// Returns the tests since the last call or since counting began; zeros if tests are not counted.
     pub fn take_counts(&mut self) -> Counts {
         self.counter.as_ref().map(Counter::take).unwrap_or_default()
     }
@@ -232,7 +232,7 @@ fn trace_list(
     }
 }
 
-/// Improves hits by [`List::trace`] of whole packets, and one by one of the rays that are left.
+/// Improves hits by [`List::trace`] for whole packets, and one by one for the remaining rays.
 fn improve_by_list(list: &List, lanes: usize, rays: &Rays, hits: &mut Hits, counter: Option<&Counter>) {
     let ends = hits.t[..rays.len()].to_vec();
     let (before, rays) = (hits.primitive[..rays.len()].to_vec(), rays.until(&ends));
@@ -289,8 +289,7 @@ impl Memory {
         }
     }
 
-    /// Tiles for which there is a frustum as packets; the others, as far as they follow each other, in
-    /// streams.
+    /// Traces tiles for which there is a frustum as packets, and consecutive other tiles in streams.
     fn tiles<const ANY: bool>(
         &mut self,
         hierarchy: &Hierarchy,

@@ -4,11 +4,11 @@ use super::padding::Padding;
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3};
 
-/// A ray prepared for boxes: within a pair of planes t runs from `plane · inverse + near` to `plane ·
+/// A ray prepared for box tests: between a pair of planes t runs from `plane · inverse + near` to `plane ·
 /// inverse + far`.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxRay<L> {
-    /// 1 / direction, where each component of the direction has at least 2⁻⁶⁰ of its length: finite.
+    /// 1 / direction, finite: each component of the direction is made at least 2⁻⁶⁰ of its length.
     pub inverse: Vec3<L>,
     /// −origin / direction − padding.
     pub near: Vec3<L>,
@@ -17,8 +17,8 @@ pub struct BoxRay<L> {
 }
 
 impl<L: Lane> BoxRay<L> {
-    /// Prepares a ray. The padding is (|o| + room) 2⁻²¹ |1/d| along each axis, |o| along that axis and room
-    /// of [`Padding::room`]: eight roundings of everything that the FMA adds up.
+    /// Prepares a ray. The padding is (|o| + room) 2⁻²¹ |1/d| along each axis, with |o| along that axis and
+    /// the room from [`Padding::room`]: eight roundings of the sum in the FMA.
     ///
     /// Units: the padding is in units of t.
     /// Error: no hit is lost, at corners, in the planes of faces and in nearly axis-parallel directions
@@ -26,8 +26,8 @@ impl<L: Lane> BoxRay<L> {
     #[inline(always)]
     pub fn new(ray: &Ray<L>, padding: Padding) -> Self {
         let d = ray.direction;
-        // The sum of the components and not the largest: a NaN in one of them reaches all planes, and the ray
-        // passes no box.
+        // The sum of the components and not the largest: a NaN in one component then reaches all planes, and
+        // the ray misses every box.
         let least = (d.x.abs() + d.y.abs() + d.z.abs()) * L::splat(f32::powi(0.5, 60));
         let (room, relative) = (padding.room(ray.origin), padding.relative::<L>());
         let axis = |origin: L, direction: L| {
@@ -44,9 +44,9 @@ impl<L: Lane> BoxRay<L> {
         }
     }
 
-    /// The slab test: the t at which each ray enters and leaves its box, whose planes are given in the order
-    /// in which the ray meets them. The ray passes the box if the first is not above the second; the first
-    /// may be negative.
+    /// Returns the t at which each ray enters and leaves its box, whose planes are given in the order in
+    /// which the ray meets them (the slab test). The ray passes the box if the first t is not above the
+    /// second; the first may be negative.
     #[inline(always)]
     pub fn interval(&self, first: Vec3<L>, second: Vec3<L>) -> (L, L) {
         let plane = |plane: L, inverse: L, rest: L| plane.mul_add(inverse, rest);
@@ -59,7 +59,7 @@ impl<L: Lane> BoxRay<L> {
         (near, far)
     }
 
-    /// [`BoxRay::interval`] of boxes given by their lower and upper corners.
+    /// Applies [`BoxRay::interval`] to boxes given by their lower and upper corners.
     #[inline(always)]
     pub fn pass(&self, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
         let (first, second) = in_order(self.inverse, lo, hi);
@@ -67,7 +67,7 @@ impl<L: Lane> BoxRay<L> {
     }
 }
 
-/// The planes of a box in the order in which a ray meets them, by the sign of 1 / direction.
+/// Returns the planes of a box in the order in which a ray meets them, by the sign of 1 / direction.
 #[inline(always)]
 pub fn in_order<L: Lane>(inverse: Vec3<L>, lo: Vec3<L>, hi: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
     let backwards = |inverse: L| inverse.lt(L::zero());
@@ -78,7 +78,7 @@ pub fn in_order<L: Lane>(inverse: Vec3<L>, lo: Vec3<L>, hi: Vec3<L>) -> (Vec3<L>
     (pick(lo, hi), pick(hi, lo))
 }
 
-/// Restricts a triangle hit to the triangle's own box: of the lanes that hit at `t`, those that pass the box
+/// Restricts triangle hits at `t` to the triangle's own box. Returns the lanes of `hit` that pass the box
 /// before `limit`, and t clamped to the box's interval.
 #[inline(always)]
 pub fn own_box<L: Lane>(

@@ -1,6 +1,6 @@
 //! Rays against axis-aligned boxes.
 //!
-//! The law of a hierarchy is that it loses no hit. Two rules together keep it:
+//! A hierarchy must lose no hit. Two rules together ensure it:
 //!
 //! - A box is padded for the ray, by more than rounding can move a hit out of it ([`BoxRay::new`],
 //!   [`Padding`]).

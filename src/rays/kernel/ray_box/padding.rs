@@ -1,32 +1,32 @@
-//! How far boxes are padded for a ray, so that rounding loses no hit.
+//! The padding of boxes for a ray, so that rounding loses no hit.
 
 use crate::lane::Lane;
 use crate::math::Vec3;
 
-/// The scene's part of the padding. [`Padding::room`] adds the ray's.
+/// The scene's part of the padding. [`Padding::room`] adds the ray's part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Padding {
     /// The largest absolute coordinate of any box.
     extent: f32,
-    /// `OF_ORIGIN` where there are spheres, else 0.
+    /// `OF_ORIGIN` if the scene has spheres, else 0.
     spheres: f32,
-    /// The padding relative to [`Padding::room`]: `EIGHT_ROUNDINGS`, or 0.
+    /// The padding relative to [`Padding::room`]: `EIGHT_ROUNDINGS`, or 0 without padding.
     relative: f32,
 }
 
-/// 2⁻²¹.
+/// Eight roundings as a relative error: 2⁻²¹.
 const EIGHT_ROUNDINGS: f32 = 1.0 / 2_097_152.0;
 
-/// The weight of |o| in the padding where there are spheres.
+/// The weight of |o| in the padding if the scene has spheres.
 ///
-/// The computed hit of a sphere may lie up to r 2⁻¹⁶ + D 2⁻¹⁹ outside of it, D the distance between ray
-/// origin and centre: 32 ε D, and a margin for directions that are not of unit length. As D ≤ |o| + |c|, the
-/// terms in r and c pad the sphere's own box ([`sphere_padding`]), and the term in |o| pads all boxes.
+/// The computed hit of a sphere may lie up to r 2⁻¹⁶ + D 2⁻¹⁹ outside it, where D is the distance from the
+/// ray's origin to the centre: 32 ε D, and a margin for directions not of unit length. Since D ≤ |o| + |c|,
+/// the terms in r and c pad the sphere's own box ([`sphere_padding`]), and the term in |o| pads all boxes.
 ///
-/// Claim: where the robust test finds a hit, the line passes a sphere of that larger radius R, and the hit is
-/// not before the line enters it, or the origin is in it. (It may lie behind it: boxes are culled by where
-/// rays enter them.) Let f = o − c as rounded; the line passes the centre at the distance H, B ahead of the
-/// origin; b = B + β, |β| ≤ 3 ε D; h² is the discriminant, Q = b + h.
+/// Claim: if the robust test finds a hit, the line passes a sphere of that larger radius R, and the hit is
+/// not before the line enters it, or the origin is in it. (The hit may lie behind it: boxes are culled by
+/// where rays enter them.) Let f = o − c as rounded; the line passes the centre at the distance H, B ahead of
+/// the origin; b = B + β, |β| ≤ 3 ε D; h² is the discriminant, Q = b + h.
 ///
 /// - The perpendicular is off by ε D + ε r across the ray, and along it by some α, which makes it longer:
 ///   H² + h² ≤ r² − α² + η and r² − H² ≤ h² + α² + η, η = 2 ε r D + 6 ε r². So H < R.
@@ -45,17 +45,17 @@ const EIGHT_ROUNDINGS: f32 = 1.0 / 2_097_152.0;
 /// were eight times less).
 const OF_ORIGIN: f32 = 4.0;
 
-/// How far the box of a sphere is padded on every side, so that computed hits lie in it: see `OF_ORIGIN`.
+/// Returns the padding of a sphere's box on every side, so that computed hits lie in it: see `OF_ORIGIN`.
 ///
 /// Units: scene units.
 pub fn sphere_padding(center: glam::Vec3, radius: f32) -> f32 {
     radius * f32::powi(0.5, 16) + center.length() * f32::powi(0.5, 19)
 }
 
-/// The lower and upper corner of a box that holds a sphere and all computed hit points, except for the part
-/// of their error that grows with the distance of the ray's origin ([`Padding`] covers that). centre ± radius
-/// is rounded by at most half a unit in the last place, so one unit outwards is enough. Domain: |centre| +
-/// radius well below f32's largest number, which scene validation ensures.
+/// Returns the lower and upper corner of a box that holds a sphere and all computed hit points, except for
+/// the part of their error that grows with the distance of the ray's origin ([`Padding`] covers that).
+/// Rounding moves centre ± radius by at most half a unit in the last place, so one unit outwards is enough.
+/// Domain: |centre| + radius well below f32's largest number, which scene validation ensures.
 pub fn sphere_bounds(center: glam::Vec3, radius: f32) -> [glam::Vec3; 2] {
     let outwards = |x: glam::Vec3, to: fn(f32) -> f32| glam::Vec3::new(to(x.x), to(x.y), to(x.z));
     let half = radius + sphere_padding(center, radius);
@@ -63,7 +63,7 @@ pub fn sphere_bounds(center: glam::Vec3, radius: f32) -> [glam::Vec3; 2] {
 }
 
 impl Padding {
-    /// Of a scene whose boxes have no coordinate beyond `extent`.
+    /// Returns the padding for a scene whose boxes have no coordinate beyond `extent`.
     pub const fn new(extent: f32) -> Self {
         Self { extent, spheres: 0.0, relative: EIGHT_ROUNDINGS }
     }
@@ -71,17 +71,17 @@ impl Padding {
     pub const fn with_spheres(self) -> Self {
         Self { spheres: OF_ORIGIN, ..self }
     }
-    /// No padding, which loses hits: for tests and charts.
+    /// Removes the padding, which loses hits: for tests and charts.
     pub const fn without_padding(self) -> Self {
         Self { relative: 0.0, ..self }
     }
-    /// What the padding is relative to for a ray from `origin`, less the |o| along each axis, in scene units.
+    /// Returns the padding's base for a ray from `origin`, without the |o| along each axis, in scene units.
     #[inline(always)]
     pub fn room<L: Lane>(&self, origin: Vec3<L>) -> L {
         let far = origin.x.abs() + origin.y.abs() + origin.z.abs();
         L::splat(self.spheres).mul_add(far, L::splat(self.extent))
     }
-    /// The padding relative to |o| + [`Padding::room`].
+    /// Returns the padding relative to |o| + [`Padding::room`].
     #[inline(always)]
     pub(super) fn relative<L: Lane>(&self) -> L {
         L::splat(self.relative)

@@ -1,4 +1,4 @@
-//! Rays against the spheres of a leaf.
+//! Intersects rays with the spheres of a leaf.
 
 use super::Sphere;
 use crate::kernel::ray_sphere;
@@ -11,7 +11,7 @@ use crate::math::{Hit, Ray, Vec3};
 #[repr(C, align(64))]
 pub struct SphereLeaf {
     center: [[f32; LEAF]; 3],
-    /// Squared; negative where there is no sphere, so that no ray hits it.
+    /// The squared radii; a negative entry means that there is no sphere, and no ray hits it.
     radius2: [f32; LEAF],
     primitives: Leaf,
 }
@@ -28,14 +28,14 @@ impl SphereLeaf {
         stored
     }
 
-    /// Centre and squared radius of one sphere in all lanes.
+    /// Returns the centre and the squared radius of one sphere in all lanes.
     #[inline(always)]
     fn sphere<L: Lane>(&self, lane: usize) -> (Vec3<L>, L) {
         let [x, y, z] = &self.center;
         (Vec3::new(L::splat(x[lane]), L::splat(y[lane]), L::splat(z[lane])), L::splat(self.radius2[lane]))
     }
 
-    /// Improves the hit of one ray with the spheres, one a lane.
+    /// Improves the hit of one ray with the spheres, one sphere per lane.
     #[inline(never)]
     pub fn intersect(&self, ray: &Ray<f32>, hit: &mut Hit<f32>) {
         let ray = Ray {

@@ -1,4 +1,4 @@
-//! Rays against a list of spheres.
+//! Intersects rays with a list of spheres.
 
 use super::Sphere;
 use crate::columns::{Hits, Rays};
@@ -7,14 +7,14 @@ use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{MISS, Ray, Vec3};
 
-/// From this many spheres on, those that no ray of a packet may hit are culled first. Culling costs about
-/// half a test. Packets always compute the root, so culling pays sooner than for single rays, which skip it
-/// where they miss.
+/// The number of spheres from which on those that no ray of a packet may hit are culled first. Culling costs
+/// about half a test. Packets always compute the root, so culling pays sooner for them than for single rays,
+/// which skip it on a miss.
 const fn min_culled_spheres(width: usize) -> usize {
     if width == 1 { 16 } else { 8 }
 }
 
-/// How many spheres are culled at a time.
+/// The number of spheres that are culled at a time.
 const CHUNK: usize = 64;
 
 /// All spheres, in the order of their numbers.
@@ -23,7 +23,7 @@ pub struct List {
     culled_spheres: Vec<CulledSphere>,
 }
 
-/// A sphere as tests read it.
+/// A sphere in the form that tests read.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
 struct Row {
@@ -47,7 +47,7 @@ impl List {
         self.spheres.len()
     }
 
-    /// Finds the nearest hit of each ray among all spheres or those `listed`; overwrites the hits.
+    /// Finds the nearest hit of each ray among all spheres or the `listed` ones; overwrites the hits.
     pub fn trace<L: Lane>(&self, rays: &Rays, hits: &mut Hits, listed: Option<&[u32]>) {
         match listed {
             None => self.trace_spheres::<L>(self.len(), |at| at, rays, hits),
@@ -55,7 +55,7 @@ impl List {
         }
     }
 
-    /// Finds the nearest of `count` spheres that each ray hits; `number` gives their numbers, ascending. A
+    /// Finds the nearest of `count` spheres that each ray hits; `number` maps indices to ascending numbers. A
     /// later sphere replaces a hit only if it is strictly nearer, so the lower number wins ties.
     ///
     /// Shapes: packets of `WIDTH` rays; one sphere at a time is broadcast to all lanes.
@@ -77,7 +77,7 @@ impl List {
                 for first in (0..count).step_by(CHUNK) {
                     let (mut near, mut found) = ([0; CHUNK], 0);
                     for number in (first..count.min(first + CHUNK)).map(&number) {
-                        // Always written, and counted only if it is near: no branch.
+                        // The entry is always written, and counted only if the sphere may be hit: no branch.
                         near[found % CHUNK] = number;
                         found += usize::from(culling.may_hit(&self.culled_spheres[number]).any());
                     }
@@ -95,7 +95,7 @@ impl List {
     }
 }
 
-/// The tests of a packet against spheres in turn.
+/// A packet and its nearest hits, tested against spheres in turn.
 struct SphereTests<L: Lane> {
     ray: Ray<L>,
     /// The nearest hits so far: t, and the index of the primitive.
@@ -108,8 +108,8 @@ impl<L: Lane> SphereTests<L> {
     fn test(&mut self, number: u32, sphere: &Row) {
         let (center, radius2) = (Vec3::splat(sphere.center), L::splat(sphere.radius2));
         let (may_hit, equation) = QuadraticEquation::new(&self.ray, center, radius2);
-        // Only of a single ray the rest of the test is skipped. Whether any ray of a packet meets a sphere is
-        // often predicted wrong, which costs more than a square root and a division.
+        // Only single rays skip the rest of the test. For packets the branch is often mispredicted, which
+        // costs more than a square root and a division.
         if L::WIDTH == 1 && !may_hit.any() {
             return;
         }

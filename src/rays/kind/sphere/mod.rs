@@ -15,7 +15,7 @@ use crate::math::Vec3;
 pub struct Sphere {
     /// Its centre.
     pub center: glam::Vec3,
-    /// Above 0.
+    /// The radius, above 0.
     pub radius: f32,
 }
 

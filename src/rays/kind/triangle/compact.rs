@@ -1,8 +1,8 @@
 //! The leaves of triangles, and their compact layout in large hierarchies.
 //!
-//! Where a hierarchy does not fit the caches, rays wait for its cache lines. The triangles of a leaf share
-//! vertices: stored once, they take three lines instead of five. A leaf is expanded where it is
-//! visited, in streams once for all rays of a node. The vertices keep their bits.
+//! If a hierarchy does not fit the caches, rays wait for its cache lines. The triangles of a leaf share
+//! vertices: with each vertex stored once, a leaf takes three lines instead of five. A leaf is expanded when
+//! it is visited, in streams once for all rays of a node. The vertices keep their bits.
 
 use super::leaf::TriangleLeaf;
 use crate::kind::{LEAF, Leaf};
@@ -10,26 +10,26 @@ use crate::lane::{Bits, Lane, Mask, Native, NativeBits, U32x16, prefetch};
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
-/// How the leaves of triangles are stored. Rays find the same hits in both.
+/// The layout of the leaves of triangles. Rays find the same hits in both layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// The vertices of every triangle: nothing to expand.
+    /// The vertices of every triangle, with nothing to expand.
     Full,
-    /// Shared vertices once: fewer cache lines.
+    /// Shared vertices stored once, in fewer cache lines.
     Compact,
 }
 
-/// Nodes and leaves of more bytes than this are compact: from some 130,000 triangles on in leaves of 8, from
-/// 260,000 in those of 16, which take longer to expand.
+/// If nodes and leaves take more bytes than this, the layout is compact: from some 130,000 triangles on in
+/// leaves of 8, from 260,000 in leaves of 16, which take longer to expand.
 const MAX_FULL: usize = if LEAF == 8 { 8 << 20 } else { 16 << 20 };
-/// Leaves looked at for the choice of the layout: each that many-th. At least three quarters of them must
-/// fit.
+/// Every so many-th leaf is sampled to choose the layout. At least three quarters of the samples must fit a
+/// compact leaf.
 const SAMPLED: usize = 64;
-/// Fewest leaves for another thread to fill.
+/// The smallest number of leaves that justifies another thread.
 pub(crate) const MIN_LEAVES_PER_THREAD: usize = 256;
 
-/// Columns of vertices in a compact leaf, the last one NaN for the corners of absent triangles. Nearly all
-/// leaves of scanned and of procedural meshes have no more vertices.
+/// The columns of vertices in a compact leaf; the last one is NaN, for the corners of absent triangles.
+/// Nearly all leaves of scanned and of procedural meshes have no more vertices.
 const COLUMNS: usize = if LEAF == 8 { 11 } else { 22 };
 
 /// Up to [`LEAF`] triangles with fewer than [`COLUMNS`] different vertices: three or six cache lines.
@@ -38,13 +38,13 @@ const COLUMNS: usize = if LEAF == 8 { 11 } else { 22 };
 struct CompactLeaf {
     /// The x, y and z of the vertices.
     vertices: [[f32; COLUMNS]; 3],
-    /// For the first corners of the triangles, their second and their third ones: the columns of their
-    /// vertices.
+    /// The columns of the triangles' vertices: one row for the first corners, one for the second, one for the
+    /// third.
     corners: [[u8; LEAF]; 3],
     primitives: Leaf,
-    /// The index among the full leaves of one with more vertices, or [`CompactLeaf::IS_COMPACT`].
+    /// The index of the full leaf that replaces this one, or [`CompactLeaf::IS_COMPACT`].
     full: u32,
-    /// Padding: every leaf starts a cache line.
+    /// Padding, so that every leaf starts a cache line.
     unused: [u32; LEAF / 8 - 1],
 }
 const _: () = assert!(size_of::<CompactLeaf>() == 3 * 64 * LEAF / 8);
@@ -52,14 +52,14 @@ const _: () = assert!(size_of::<CompactLeaf>() == 3 * 64 * LEAF / 8);
 impl CompactLeaf {
     const IS_COMPACT: u32 = u32::MAX;
 
-    /// `None` if there are too many vertices.
+    /// Stores the triangles of a leaf; returns `None` if there are too many vertices.
     fn new(leaf: &Leaf, corners_of: impl Fn(u32) -> [[f32; 3]; 3]) -> Option<Self> {
         let mut rows = [[f32::NAN.to_bits(); 32]; 3];
         let mut corners = [[COLUMNS as u8 - 1; LEAF]; 3];
         let mut filled = 0;
         for (lane, &primitive) in leaf.primitives().iter().enumerate() {
             for (corners, vertex) in corners.iter_mut().zip(corners_of(primitive)) {
-                // Bits, so that −0 and 0 stay what they are.
+                // The bits are compared, so that −0 and 0 stay distinct.
                 let vertex = vertex.map(f32::to_bits);
                 let same = |first: usize| {
                     let [x, y, z] = [0, 1, 2]
@@ -88,7 +88,7 @@ impl CompactLeaf {
         })
     }
 
-    /// Stands for a full leaf.
+    /// Returns an entry that refers to a full leaf.
     fn full(index: usize) -> Self {
         Self { full: index as u32, ..Self::zeroed() }
     }
@@ -99,7 +99,7 @@ impl CompactLeaf {
         for (rows, corners) in to.vertices.iter_mut().zip(&self.corners) {
             let columns = NativeBits::from_fn(|lane| u32::from(corners[lane]));
             for (axis, row) in rows.iter_mut().enumerate() {
-                // Sixteen words from a place of the row on; those behind its columns are not picked.
+                // Reads sixteen words from an offset in the row; the words behind its columns are not picked.
                 let words = &words[axis * COLUMNS..];
                 let low = Native::pick_of_16(words.first_chunk().expect("a row"), columns);
                 let picked = if COLUMNS <= 16 {
@@ -117,7 +117,7 @@ impl CompactLeaf {
         to.primitives = self.primitives;
     }
 
-    /// One triangle alone.
+    /// Returns the corners of one triangle.
     #[inline(always)]
     fn corners(&self, lane: usize) -> [[f32; 3]; 3] {
         self.corners.map(|corners| {
@@ -127,15 +127,15 @@ impl CompactLeaf {
     }
 }
 
-/// All leaves of triangles of a hierarchy, by their index.
+/// All leaves of triangles in a hierarchy, by their index.
 pub struct TriangleLeaves {
-    /// All of them, or those that have too many vertices.
+    /// All leaves, or those that have too many vertices.
     full: Vec<TriangleLeaf>,
-    /// All of them, or empty.
+    /// All leaves, or none.
     compact: Vec<CompactLeaf>,
 }
 
-/// A leaf as it is stored.
+/// A leaf in the form in which it is stored.
 enum Stored<'a> {
     Full(&'a TriangleLeaf),
     Compact(&'a CompactLeaf),
@@ -143,7 +143,7 @@ enum Stored<'a> {
 
 impl TriangleLeaves {
     /// Stores the triangles of all leaves. The first triangle has the number `first`, and the hierarchy's
-    /// nodes take `node_bytes`; without a layout, the one that suits the hierarchy is taken.
+    /// nodes take `node_bytes`; if `layout` is `None`, the sizes and the sampled leaves decide.
     pub fn new(
         (first, triangles): (usize, &[[glam::Vec3; 3]]),
         leaves: &[Leaf],
@@ -173,7 +173,7 @@ impl TriangleLeaves {
         if layout == Layout::Full {
             return Self { full: each.map(full).collect(), compact: Vec::new() };
         }
-        // Those that do not fit, first with no index.
+        // Leaves that do not fit get their index in the next step.
         let mut compact: Vec<_> =
             each.map(|leaf| compact(leaf).unwrap_or_else(|| CompactLeaf::full(0))).collect();
         let mut others = Vec::new();
@@ -186,7 +186,7 @@ impl TriangleLeaves {
         Self { full: others, compact }
     }
 
-    /// Visits a leaf.
+    /// Calls `visit` with a leaf.
     #[inline(always)]
     pub fn with<R>(&self, leaf: usize, visit: impl FnOnce(&TriangleLeaf) -> R) -> R {
         let mut room;
@@ -200,7 +200,7 @@ impl TriangleLeaves {
         })
     }
 
-    /// A leaf, expanded into `room` if it is compact.
+    /// Returns a leaf, expanded into `room` if it is compact.
     #[inline(always)]
     pub fn expanded<'a>(&'a self, leaf: usize, room: &'a mut TriangleLeaf) -> &'a TriangleLeaf {
         match self.stored(leaf) {
@@ -212,7 +212,7 @@ impl TriangleLeaves {
         }
     }
 
-    /// The corners of one triangle of a leaf.
+    /// Returns the corners of one triangle of a leaf.
     #[inline(always)]
     pub fn corners(&self, leaf: usize, lane: usize) -> [[f32; 3]; 3] {
         match self.stored(leaf) {
@@ -230,8 +230,8 @@ impl TriangleLeaves {
         }
     }
 
-    /// Fetches the vertices of a full leaf, or a whole compact leaf: one that stands for a full leaf does not
-    /// say so before it is read.
+    /// Fetches the vertices of a full leaf, or a whole compact leaf: whether it refers to a full leaf is not
+    /// known before it is read.
     #[inline(always)]
     pub fn prefetch(&self, leaf: usize) {
         match self.compact.get(leaf) {
@@ -240,7 +240,7 @@ impl TriangleLeaves {
         }
     }
 
-    /// Returns the bytes of all leaves.
+    /// Returns the size of all leaves in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.full.as_slice()) + size_of_val(self.compact.as_slice())
     }
@@ -250,7 +250,7 @@ impl TriangleLeaves {
 mod tests {
     use super::*;
 
-    /// Triangles of a strip, the last one absent, with zeros of both signs.
+    /// The triangles form a strip, the last one absent, with zeros of both signs.
     #[test]
     fn compact_leaves_keep_the_bits_of_their_vertices() {
         let vertex =

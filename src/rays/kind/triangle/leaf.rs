@@ -1,4 +1,4 @@
-//! Rays against the triangles of a leaf.
+//! Intersects rays with the triangles of a leaf.
 
 use crate::kernel::ray_box::{BoxRay, Padding, own_box};
 use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, WoopRay};
@@ -7,7 +7,7 @@ use crate::lane::{Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
 use crate::prepared::Packet;
 
-/// Up to [`LEAF`] triangles: 40 bytes each.
+/// Up to [`LEAF`] triangles, 40 bytes each.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct TriangleLeaf {
@@ -15,7 +15,7 @@ pub struct TriangleLeaf {
     pub(crate) primitives: Leaf,
 }
 
-/// Lower and upper corner of the box of a triangle: exact. [`crate::kernel::surface::triangle_bounds`]
+/// Returns the exact lower and upper corner of a triangle's box: [`crate::kernel::surface::triangle_bounds`]
 /// over lanes.
 #[inline(always)]
 pub fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
@@ -25,32 +25,32 @@ pub fn box_of<L: Lane>([a, b, c]: [Vec3<L>; 3]) -> (Vec3<L>, Vec3<L>) {
     (Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]))
 }
 
-/// The least and the greatest coordinate of a triangle along one axis.
+/// Returns the least and the greatest coordinate of a triangle along one axis.
 #[inline(always)]
 fn extent_along<L: Lane>([a, b, c]: [L; 3]) -> [L; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
 impl TriangleLeaf {
-    /// No triangle.
+    /// A leaf without triangles.
     pub(crate) const EMPTY: Self =
         Self { vertices: [[[f32::NAN; LEAF]; 3]; 3], primitives: Leaf { primitives: [Leaf::NONE; LEAF] } };
 
-    /// The lower and the upper planes of the triangles' boxes along an axis; NaN where there is no triangle.
+    /// Returns the lower and upper planes of the triangles' boxes along an axis; NaN in unused lanes.
     #[inline(always)]
     pub fn planes(&self, axis: usize) -> [Native; 2] {
         let [a, b, c] = &self.vertices;
         extent_along([Native::load(&a[axis]), Native::load(&b[axis]), Native::load(&c[axis])])
     }
 
-    /// The triangles that a ray's line passes, not behind its origin, one bit each: all that the ray hits,
-    /// and few others.
+    /// Returns the triangles, one bit each, that a ray's line passes, not behind its origin. They include all
+    /// that the ray hits, and few others.
     #[inline(always)]
     pub fn candidates(&self, woop: StoredWoopRay) -> u32 {
         woop.candidates(&self.vertices).bitmask()
     }
 
-    /// Keeps the nearest hit of a ray with the triangles whose bits are set: none or one, seldom two.
+    /// Keeps a ray's nearest hit with the triangles whose bits are set: none or one triangle, seldom two.
     #[inline(always)]
     pub fn accept(&self, candidates: u32, woop: &WoopRay<f32>, box_ray: &BoxRay<f32>, hit: &mut Hit<f32>) {
         for lane in set_bits(candidates) {
@@ -64,8 +64,8 @@ impl TriangleLeaf {
         self.vertices.each_ref().map(|vertex| vertex.each_ref().map(|row| row[lane & (LEAF - 1)]))
     }
 
-    /// Those of the triangles in `lanes` that the line of any of a packet's rays passes, not behind its
-    /// origin, one bit each; all of them where the rays have different z axes.
+    /// Returns the triangles of `lanes`, one bit each, that the line of any of a packet's rays passes, not
+    /// behind its origin; returns `lanes` if the rays have different z axes.
     #[inline(always)]
     pub fn candidates_of_packet<L: Lane>(&self, lanes: u32, packet: &Packet<L>) -> u32 {
         let Some(axis) = packet.axis else { return lanes };
@@ -74,8 +74,8 @@ impl TriangleLeaf {
         })
     }
 
-    /// Keeps the nearest hits of a packet's rays with one of the triangles; whether any of them was nearer.
-    /// Out of line: the calling loop stays in registers.
+    /// Keeps the nearest hits of a packet's rays with one of the triangles. Returns whether any hit was
+    /// nearer. Out of line, so that the calling loop stays in registers.
     #[inline(never)]
     pub fn accept_packet<L: Lane>(
         &self,
@@ -89,7 +89,7 @@ impl TriangleLeaf {
         found.is_some_and(|found| self.keep(lane, &found, padding, packet, hit))
     }
 
-    /// [`TriangleLeaf::accept_packet`] where the rays have different z axes. Few packets have, and this test
+    /// [`TriangleLeaf::accept_packet`] for rays with different z axes. Few packets have them, and this test
     /// would take registers from the other.
     #[cold]
     #[inline(never)]
@@ -106,13 +106,13 @@ impl TriangleLeaf {
 
     #[inline(always)]
     fn corners_in_all_lanes<L: Lane>(&self, lane: usize) -> [Vec3<L>; 3] {
-        // Not by array::map, which is a call of its own for vectors of sixteen.
+        // Not array::map: for vectors of sixteen it would be a call.
         let splat = |[x, y, z]: [f32; 3]| Vec3::new(L::splat(x), L::splat(y), L::splat(z));
         let [a, b, c] = self.corners(lane);
         [splat(a), splat(b), splat(c)]
     }
 
-    /// Keeps the hits of a packet with one of the triangles where they are nearer; whether any of them was.
+    /// Keeps a packet's hits with one of the triangles where they are nearer. Returns whether any was.
     #[inline(always)]
     fn keep<L: Lane>(
         &self,
@@ -129,7 +129,7 @@ impl TriangleLeaf {
     }
 }
 
-/// One ray against one triangle given by its corners, with the rule of the own box.
+/// Tests one ray against one triangle given by its corners, with the rule of the own box.
 #[inline(always)]
 pub fn intersect_one(
     corners: [[f32; 3]; 3],

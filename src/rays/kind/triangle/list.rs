@@ -1,4 +1,4 @@
-//! Rays against a list of triangles.
+//! Intersects rays with a list of triangles.
 
 use crate::candidates::Candidates;
 use crate::columns::{Hits, Rays};
@@ -10,7 +10,7 @@ use crate::math::{Hit, MISS, Ray, Vec3};
 
 /// All triangles, in the order of their numbers.
 pub struct List {
-    /// Those that share an edge are linked in pairs.
+    /// The triangles, linked in pairs where two share an edge.
     triangles: Vec<WoopTriangle>,
     /// The number of the first triangle.
     first: u32,
@@ -18,7 +18,7 @@ pub struct List {
 }
 
 impl List {
-    /// Stores all triangles, of which the first has the number `first`.
+    /// Stores all triangles; the first has the number `first`.
     pub fn new((first, triangles): (usize, &[[glam::Vec3; 3]]), padding: Padding) -> Self {
         let mut triangles: Vec<_> = triangles.iter().map(|&vertices| WoopTriangle::new(vertices)).collect();
         WoopTriangle::link_pairs(&mut triangles);
@@ -30,8 +30,8 @@ impl List {
         self.triangles.len()
     }
 
-    /// Finds the nearest hit of each ray among all triangles or those `listed`. With `has_hits`, keeps what
-    /// the ray has hit before where no triangle is strictly nearer; else overwrites the hits.
+    /// Finds the nearest hit of each ray among all triangles or the `listed` ones. With `has_hits`, an
+    /// earlier hit stays unless a triangle is strictly nearer; without it, the hits are overwritten.
     pub fn trace<L: Lane>(&self, rays: &Rays, hits: (bool, &mut Hits), listed: Option<&Candidates>) {
         let all = &self.triangles;
         match listed {
@@ -45,9 +45,9 @@ impl List {
     }
 }
 
-/// Finds the nearest of the triangles that each ray hits; with `has_hits`, keeps what it has hit before
-/// where no triangle is strictly nearer. An iterator and no closure gives the triangles: a test is so much
-/// code that a closure with it would not be inlined into the loop (4 % more instructions in boxes).
+/// Finds the nearest triangle that each ray hits; with `has_hits`, an earlier hit stays unless a triangle is
+/// strictly nearer. The triangles come from an iterator and not from a closure, which would be too large to
+/// be inlined into the loop (4 % more instructions in boxes).
 ///
 /// Shapes: packets of `WIDTH` rays; one triangle, or two that share an edge, at a time is broadcast to all
 /// lanes.
@@ -106,7 +106,7 @@ fn keep_pair_if_nearer<L: Lane>(
     keep_if_nearer(hit, ray, padding, number, corners, found);
 }
 
-/// Keeps what was found where it is nearer than what was found before, within the triangles' own boxes.
+/// Keeps the hits of `found` that are nearer than earlier ones, restricted to the triangles' own boxes.
 #[inline(always)]
 fn keep_if_nearer<L: Lane>(
     hit: &mut Hit<L>,
@@ -116,7 +116,7 @@ fn keep_if_nearer<L: Lane>(
     [lo, hi]: [Vec3<L>; 2],
     found: TriangleHit<L>,
 ) {
-    // The box ray is computed here and not once a packet: few packets hit a triangle's plane inside its
+    // The box ray is computed here and not once per packet: few packets hit a triangle's plane inside its
     // edges.
     let (mask, t) = own_box(&BoxRay::new(ray, padding), (lo, hi), found.mask, found.t, hit.t);
     hit.replace(mask, &Hit { t, primitive: number, u: found.u, v: found.v });

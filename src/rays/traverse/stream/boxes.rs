@@ -1,4 +1,4 @@
-//! The rays of a list against the boxes of a node.
+//! Tests the rays of a list against the boxes of a node.
 
 use super::listed::{BATCH, ListedRay};
 use super::stream_ray::{ORDERS_BY_T, StreamRay};
@@ -7,7 +7,7 @@ use crate::lane::{Bits, Lane, Mask, Native};
 use crate::math::Vec3;
 use crate::traverse::frustum::Boxes;
 
-/// The planes that rays of an octant meet first along each axis, and those that they meet second.
+/// Returns the planes that rays of an octant meet first along each axis, and those that they meet second.
 #[inline(always)]
 fn in_order<L: Lane>(boxes: &Boxes, octant: u8) -> (Vec3<L>, Vec3<L>) {
     // `& 7` keeps the index inside.
@@ -17,7 +17,7 @@ fn in_order<L: Lane>(boxes: &Boxes, octant: u8) -> (Vec3<L>, Vec3<L>) {
     (Vec3::new(row(x), row(1 + y), row(2 + z)), Vec3::new(row(3 - x), row(4 - y), row(5 - z)))
 }
 
-/// The t at which a ray meets planes. `all` brings a number of the ray into all lanes.
+/// Returns the t at which a ray meets planes. `all` broadcasts a number of the ray to all lanes.
 #[inline(always)]
 fn meets<L: Lane>(planes: Vec3<L>, inverse: Vec3<L>, rest: Vec3<&f32>, all: impl Fn(&f32) -> L) -> Vec3<L> {
     Vec3::new(
@@ -27,26 +27,26 @@ fn meets<L: Lane>(planes: Vec3<L>, inverse: Vec3<L>, rest: Vec3<&f32>, all: impl
     )
 }
 
-/// The smaller t; of NaN the second, or by their bits.
+/// Returns the smaller t: the second operand if one is NaN; with [`ORDERS_BY_T`] by signed bits.
 #[inline(always)]
 fn min<L: Lane>(a: L, b: L) -> L {
     if ORDERS_BY_T { L::from_bits(a.to_bits().min_signed(b.to_bits())) } else { a.min(b) }
 }
 
-/// The larger t; of NaN the second, or by their bits.
+/// Returns the larger t: the second operand if one is NaN; with [`ORDERS_BY_T`] by signed bits.
 #[inline(always)]
 fn max<L: Lane>(a: L, b: L) -> L {
     if ORDERS_BY_T { L::from_bits(a.to_bits().max_signed(b.to_bits())) } else { a.max(b) }
 }
 
-/// Tests the rays of a list against the boxes of a node, one a lane: one bit a box in `masks`, in the
-/// order of the list. Returns the boxes that any of them passes. Stores the sums of the entry distances, box
-/// by box, in `distances`, unless any hit will do. With `ONE` all rays run into one octant.
+/// Tests the rays of a list against the boxes of a node, one box per lane. Writes one bit per box to `masks`,
+/// in the order of the list, and returns the boxes that any ray passes. For closest hits, stores the sums of
+/// the entry distances of each box in `distances`. With `ONE` all rays run into one octant.
 ///
 /// With [`ORDERS_BY_T`] a t is compared as an integer: bits of non-negative floats have the order of the
-/// floats. Negative ones are below all those, in reverse order among themselves, which changes nothing:
-/// intervals start at 0 or later, and end before that or not. A NaN is above or below all numbers by its
-/// sign: a ray that has one may pass no box, or more than it meets, and triangle tests keep no hit of it.
+/// floats. Negative floats compare below all those, in reverse order among themselves; this changes nothing,
+/// because intervals start at 0 or later and end before that or not. A NaN compares by its sign: its ray may
+/// pass no box, or more than it meets, and triangle tests keep no hit of it.
 #[inline(always)]
 pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     boxes: &Boxes,
@@ -56,11 +56,11 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
     distances: &mut [f32; WIDE],
 ) -> u32 {
     type L = Native;
-    // Loaded once: the compiler cannot know that masks do not lie where boxes do.
+    // Loaded once: the compiler cannot know that masks and boxes do not overlap.
     let octant = octants[ListedRay::new(list[0], stream_rays).ray()];
     let (of_octant_0, of_first_ray) = (in_order::<L>(boxes, 0), in_order::<L>(boxes, octant));
     let occupied = of_octant_0.0.x.le(of_octant_0.1.x).bitmask();
-    // Along each axis, the place in `rest` of the number of the first plane, and of that of the second.
+    // The indices in `rest`, along each axis, of the numbers of the first plane and of the second.
     let backwards = |axis: usize| if ONE && ORDERS_BY_T { 3 * usize::from(octant >> axis & 1) } else { 0 };
     let of_first = [backwards(0), 1 + backwards(1), 2 + backwards(2)];
     let of_second = [3 - of_first[0], 5 - of_first[1], 7 - of_first[2]];
@@ -89,7 +89,7 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
         } else {
             both(in_order::<L>(boxes, octants[listed.ray()]))
         };
-        // As floats, a NaN in both is kept in this order, and passes no box.
+        // As floats: in this order a NaN in both is kept, and passes no box.
         let near = max(L::zero(), max(max(near.x, near.y), near.z));
         let far = min(L::splat(ray.t), min(min(far.x, far.y), far.z));
         let passes = if ORDERS_BY_T { near.to_bits().le_signed(far.to_bits()) } else { near.le(far) };

@@ -1,4 +1,4 @@
-//! Triangles ahead of rays, of which hits are accepted as many at a time as a vector has lanes.
+//! Collects pairs of a ray and a triangle ahead of it, and accepts as many at a time as a vector has lanes.
 
 use super::listed::{BATCH, axes_of, rays_of, update_hit};
 use super::stream_ray::StreamRay;
@@ -10,13 +10,13 @@ use crate::kind::triangle::{TriangleLeaf, box_of};
 use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, NativeMask};
 use crate::math::Vec3;
 
-/// A column: a number for each lane.
+/// A column with a number for each lane.
 type Column<T> = [T; NATIVE_WIDTH];
 
-/// Listed rays, each with a triangle that its line passes: up to [`NATIVE_WIDTH`].
+/// Up to [`NATIVE_WIDTH`] listed rays, each with a triangle that its line passes.
 #[repr(align(64))]
 pub struct HitBatch {
-    /// The components of the corners.
+    /// The components of the triangles' corners.
     corners: [[Column<f32>; 3]; 3],
     /// The rays' entries in lists.
     entries: Column<u32>,
@@ -25,7 +25,7 @@ pub struct HitBatch {
 }
 
 impl HitBatch {
-    /// Empty.
+    /// A batch without entries.
     pub const EMPTY: Self = Self {
         corners: [[[0.0; NATIVE_WIDTH]; 3]; 3],
         entries: [0; NATIVE_WIDTH],
@@ -33,14 +33,14 @@ impl HitBatch {
         filled: 0,
     };
 
-    /// Whether there is nothing to accept.
+    /// Tests whether there is nothing to accept.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.filled == 0
     }
 
-    /// Adds a ray and a triangle of a leaf. Returns whether all lanes are filled: then hits must be accepted
-    /// before the next is added.
+    /// Adds a ray and a triangle of a leaf. Returns whether all lanes are filled: the hits must then be
+    /// accepted before the next entry is added.
     #[inline(always)]
     pub fn push(&mut self, entry: u16, leaf: &TriangleLeaf, triangle: usize) -> bool {
         // The masks drop the bounds checks.
@@ -54,7 +54,7 @@ impl HitBatch {
         self.filled == NATIVE_WIDTH
     }
 
-    /// Stores the hits that are nearer than those so far. Then it is empty again.
+    /// Stores the hits that are nearer than those so far, and empties the batch.
     #[inline(never)]
     pub fn accept<const ANY: bool>(&mut self, stream_rays: &mut [StreamRay; BATCH], hits: &mut Hits) {
         let filled = NativeMask::first(std::mem::take(&mut self.filled));
@@ -73,7 +73,7 @@ impl HitBatch {
             column
         };
         let (ts, us, vs) = (column(t), column(found.u), column(found.v));
-        // A hit at the limit itself may have a lower number. A ray may be in several lanes: each of them
+        // A hit at the limit itself may have a lower number. A ray may be in several lanes, each of which
         // compares anew.
         for lane in (mask & t.le(limit)).lanes() {
             let lane = lane & (NATIVE_WIDTH - 1);

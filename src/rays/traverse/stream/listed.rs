@@ -1,4 +1,4 @@
-//! The entries of a stream's lists: rays of a batch, and how their hits are kept.
+//! The entries of a stream's lists: rays of a batch, and access to their hits.
 
 use super::stream_ray::StreamRay;
 use crate::columns::Hits;
@@ -7,29 +7,29 @@ use crate::kind::triangle::TriangleLeaf;
 use crate::lane::{Bits, NativeBits};
 use crate::math::Hit;
 
-/// Rays of a batch: the most that a list entry can hold. Large batches share the reads of a large tree; the
-/// stream rays, 64 bytes each, need not stay in the second-level cache, as lists are read in order. Half as
-/// many are 3 % faster on 4,000 triangles, 2 to 10 % slower on 100,000 and more.
+/// The number of rays of a batch: the most that a list entry can address. Large batches share the reads of a
+/// large tree; the stream rays, 64 bytes each, may exceed the second-level cache, as lists are read in order.
+/// Half as many are 3 % faster on 4,000 triangles, 2 to 10 % slower on 100,000 and more.
 pub const BATCH: usize = 16_384;
 
-/// An entry of a list: a ray's index in its batch, and from this bit on the axis of its triangle tests, two
-/// bits.
+/// The first bit of the triangle tests' axis in an entry of a list: two bits above the ray's index in its
+/// batch.
 const AXIS_SHIFT: u32 = BATCH.trailing_zeros();
 const _: () = assert!(AXIS_SHIFT + 2 <= u16::BITS);
 
-/// The entry of a ray with this index and axis.
+/// Returns the entry of a ray with this index and axis.
 #[inline(always)]
 pub fn entry_of(ray: u16, axis: u8) -> u16 {
     ray | u16::from(axis) << AXIS_SHIFT
 }
 
-/// The indices of the rays of entries.
+/// Returns the indices of the rays of entries.
 #[inline(always)]
 pub fn rays_of(entries: NativeBits) -> NativeBits {
     entries & NativeBits::splat(BATCH as u32 - 1)
 }
 
-/// The axes of the triangle tests of entries.
+/// Returns the axes of the triangle tests of entries.
 #[inline(always)]
 pub fn axes_of(entries: NativeBits) -> NativeBits {
     entries.shr(AXIS_SHIFT)
@@ -47,7 +47,7 @@ impl<'a> ListedRay<'a> {
     pub fn new(entry: u16, stream_rays: &'a [StreamRay; BATCH]) -> Self {
         Self { entry, stream_ray: &stream_rays[entry as usize & (BATCH - 1)] }
     }
-    /// Its index in the batch.
+    /// Returns the ray's index in the batch.
     #[inline(always)]
     pub fn ray(&self) -> usize {
         self.entry as usize & (BATCH - 1)
@@ -56,22 +56,22 @@ impl<'a> ListedRay<'a> {
     fn axis(&self) -> u32 {
         u32::from(self.entry >> AXIS_SHIFT & 3)
     }
-    /// As triangle tests take it.
+    /// Returns the ray in the form of triangle tests.
     #[inline(always)]
     pub fn woop(&self) -> WoopRay<f32> {
         self.stream_ray.woop(self.axis())
     }
-    /// The same where it is.
+    /// Returns a reference to the ray in the form of triangle tests.
     #[inline(always)]
     pub fn stored_woop(&self) -> StoredWoopRay<'_> {
         self.stream_ray.stored_woop(self.axis())
     }
-    /// Its nearest hit so far.
+    /// Returns the ray's nearest hit so far.
     #[inline(always)]
     pub fn hit(&self, hits: &Hits) -> Hit<f32> {
         Hit { t: self.stream_ray.t, ..hits.get(self.ray()) }
     }
-    /// Its nearest hit after those triangles of a leaf whose bits are set.
+    /// Returns the ray's nearest hit after tests of those triangles of a leaf whose bits are set.
     #[inline(always)]
     pub fn accept(&self, leaf: &TriangleLeaf, candidates: u32, hits: &Hits) -> Hit<f32> {
         let mut hit = self.hit(hits);
@@ -80,8 +80,8 @@ impl<'a> ListedRay<'a> {
     }
 }
 
-/// Stores what `find` returns for a listed ray that is not done: the hit so far or a nearer one; `None`
-/// changes nothing.
+/// Stores the hit that `find` returns for a listed ray that is not done: the hit so far or a nearer one.
+/// `None` changes nothing.
 #[inline(always)]
 pub fn update_hit<const ANY: bool>(
     entry: u16,

@@ -2,12 +2,12 @@
 //!
 //! At a node each ray of its list is tested against the boxes of all children; the masks are compressed into
 //! a list of rays for each child. Leaves are visited first, then nodes in the order of their mean entry
-//! distance, or in slot order where any hit will do.
+//! distance, or in slot order for any-hit queries.
 //!
-//! Rays of all octants share a list. A batch sorted by octant, as in the source, saves the ordering of
-//! planes, but its lists have an eighth of the rays, and bounces are 1.1 times slower on 4,000 triangles, 1.6
-//! times on 48,000. Only in batches within one octant, as most of primary rays, planes are ordered once a
-//! list.
+//! Rays of all octants share a list. Sorting a batch by octant, as in the source, saves the ordering of
+//! planes, but lists have an eighth of the rays, and bounces are 1.1 times slower on 4,000 triangles, 1.6
+//! times on 48,000. Planes are ordered once per list only in batches within one octant, as most batches of
+//! primary rays are.
 //!
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
@@ -32,34 +32,34 @@ pub use listed::BATCH;
 use listed::{ListedRay, entry_of, update_hit};
 use stream_ray::StreamRay;
 
-/// From this many pairs of a ray and a leaf on, triangles are tested in two loops. From 16 to 128 are alike
-/// within 2 %.
+/// From this many pairs of a ray and a leaf on, triangles are tested in two loops. Values from 16 to 128 are
+/// equal within 2 %.
 const MIN_LONG: usize = 24;
-/// Any-hit rays of which those at a node reach more of its leaves than this, on average, are tested in one
-/// loop: there a hit spares the tests of the other leaves.
+/// If any-hit rays reach more leaves of a node than this, on average, they are tested in one loop: a hit
+/// there saves the tests of the other leaves.
 const MAX_LEAVES: usize = 2;
 
-/// Working memory of a thread: two MiB.
+/// The working memory of a thread: two MiB.
 pub struct Stream {
     stream_rays: Box<[StreamRay; BATCH]>,
-    /// The axes of the rays' triangle tests, and from bit 8 on the octants.
+    /// The axes of the rays' triangle tests and, from bit 8 on, the octants.
     axes: Box<[u32; BATCH]>,
     /// The rays' octants: one bit for each axis along which a ray runs backwards.
     octants: Box<[u8; BATCH]>,
-    /// Lists of rays, one after the other: a stack of lists.
+    /// A stack of lists of rays, end to end.
     lists: Vec<u16>,
     /// For each pair of a ray and a leaf of triangles, the leaf's slot in its node.
     slots: Vec<u8>,
-    /// For each ray of a list, the boxes that it passes, one bit each; then for each pair of a ray and a leaf
-    /// the triangles that the ray may hit.
+    /// For each ray of a list, the boxes that it passes, one bit each; later, for each pair of a ray and a
+    /// leaf, the triangles that the ray may hit.
     masks: Vec<u16>,
-    /// The places of the pairs whose mask of triangles is not zero.
+    /// The indices of the pairs whose mask of triangles is not zero.
     found: Vec<u16>,
-    /// 0, 1, 2, …
+    /// The numbers 0, 1, 2, …
     iota: Box<[u16; BATCH]>,
-    /// Room for the leaves of a node, expanded.
+    /// Memory for the expanded leaves of a node.
     leaves: Box<[TriangleLeaf; WIDE]>,
-    /// Rays and triangles that wait to be accepted as hits; empty between loops.
+    /// Rays and triangles still to be accepted as hits; empty between loops.
     candidates: Box<HitBatch>,
 }
 
@@ -70,7 +70,7 @@ impl Default for Stream {
 }
 
 impl Stream {
-    /// Empty, with room for a batch.
+    /// Creates empty lists with room for a batch.
     pub fn new() -> Self {
         Self {
             stream_rays: bytemuck::zeroed_box(),
@@ -101,7 +101,7 @@ impl Stream {
         }
     }
 
-    /// The same for up to [`BATCH`] rays, but at least one.
+    /// Improves the hits of 1 to [`BATCH`] rays.
     fn trace_batch<const ANY: bool>(
         &mut self,
         hierarchy: &Hierarchy,
@@ -148,7 +148,7 @@ impl Stream {
     }
 }
 
-/// Makes a vector at least so long.
+/// Extends a vector to at least this length.
 #[inline(always)]
 fn grow<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
     if vector.len() < length {
@@ -156,7 +156,7 @@ fn grow<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
     }
 }
 
-/// The traversal of those rays of a batch that are traced together.
+/// The traversal of rays of a batch that are traced together.
 struct StreamTraversal<'a, 'b, C> {
     stream: &'a mut Stream,
     hierarchy: &'a Hierarchy,
@@ -184,9 +184,9 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         if all == 0 {
             return;
         }
-        // The lines arrive while the lists are written.
+        // The cache lines arrive while the lists are written.
         slots(all).for_each(|slot| self.hierarchy.prefetch(node.children()[slot]));
-        // Lists lie end to end, written by whole chunks: first one of rays that reach leaves of triangles,
+        // Lists are stored end to end, in whole chunks: first one of the rays that reach leaves of triangles,
         // then one for each other child.
         let most = (all.count_ones() as usize) * (count + CHUNK);
         grow(lists, free + most);
@@ -211,7 +211,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         let mut paired = 0;
         for slot in slots(triangles) {
             let count = list(slot).1;
-            // A whole chunk at first, as most lists are short.
+            // A whole chunk at first, because most lists are short.
             tags[paired..paired + CHUNK].fill(slot as u8);
             if count > CHUNK {
                 tags[paired + CHUNK..paired + count].fill(slot as u8);
@@ -222,7 +222,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         for slot in slots(all & !triangles) {
             spans[slot] = list(slot);
         }
-        // Leaves first, as hits in them spare tests of the nodes' children.
+        // Leaves first, because hits in them save tests of the nodes' children.
         self.triangle_leaves::<ANY>(node, triangles, free, [paired, count]);
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
@@ -248,8 +248,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles of its slot, for
-    /// the `count` rays of a node.
+    /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles in its slot. The
+    /// rays come from the `count` rays of a node.
     #[inline(always)]
     fn triangle_leaves<const ANY: bool>(
         &mut self,
@@ -265,8 +265,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    /// Tests the `count` rays listed from `start` on, each against the leaf of triangles of its slot: one
-    /// loop over all leaves, as most lists of large hierarchies hold two rays or three.
+    /// Tests the `count` rays listed from `start` on, each against the leaf of triangles in its slot: one
+    /// loop over all leaves, because most lists of large hierarchies hold two or three rays.
     #[inline(never)]
     fn triangles<const ANY: bool>(&mut self, node: &WideNode, reached: u32, start: usize, count: usize) {
         let Self { stream, hierarchy, hits, counter, .. } = self;
@@ -282,9 +282,9 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    /// The same for long lists, in two loops: the first tests all, without a branch, the second accepts what
-    /// it found, as many at a time as a vector has lanes. One test in ten finds a hit; a branch for it is
-    /// often predicted wrong, and then the tests begun behind it are lost: some 110 cycles, as much as four
+    /// Tests long lists in two loops: the first tests all pairs, without a branch; the second accepts its
+    /// results, as many at a time as a vector has lanes. One test in ten finds a hit; a branch for it is
+    /// often mispredicted, and then the tests begun behind it are lost: some 110 cycles, as much as four
     /// tests.
     #[inline(never)]
     fn triangles_then_hits<const ANY: bool>(

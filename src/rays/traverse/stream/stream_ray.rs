@@ -1,4 +1,4 @@
-//! The rays of a stream as they are kept, and their octants.
+//! The stored form of a stream's rays, and their octants.
 
 use crate::columns::Hits;
 use crate::kernel::ray_box::{BoxRay, Padding};
@@ -7,22 +7,22 @@ use crate::lane::{Bits, F32x8, Lane, Mask, Native, NativeBits, U32x8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use bytemuck::{Pod, Zeroable};
 
-/// Whether boxes are tested with the two planes of an axis ordered by their t, or by the ray's octant. AMD's
-/// processors, which alone have SSE4a, do the first in few cycles, as integers, and load fewer vectors a
-/// cycle: there the planes stay in registers for all rays of a list. Others load those that the ray meets
-/// first and second.
+/// Whether box tests order the two planes of an axis by their t, or by the ray's octant. AMD's processors,
+/// which alone have SSE4a, order by t in few cycles, as integers, and load fewer vectors a cycle: the planes
+/// stay in registers for all rays of a list. On other processors, the planes that the ray meets first and
+/// second are loaded.
 pub const ORDERS_BY_T: bool = cfg!(target_feature = "sse4a");
 
-/// A ray ready for boxes and triangles: one cache line.
+/// A ray prepared for boxes and triangles: one cache line.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct StreamRay {
-    /// As in [`BoxRay`].
+    /// See [`BoxRay`].
     pub inverse: [f32; 3],
-    /// [`BoxRay::near`] and [`BoxRay::far`]; with [`ORDERS_BY_T`] exchanged along axes on which the ray runs
-    /// backwards, so that they belong to the lower and the upper planes of boxes.
+    /// [`BoxRay::near`] and [`BoxRay::far`]. With [`ORDERS_BY_T`] they are exchanged along axes on which the
+    /// ray runs backwards, so that they belong to the lower and the upper planes of boxes.
     rest: [f32; 6],
-    /// The distance of the nearest hit so far, at first the ray's t_max; −∞ once the ray is done.
+    /// The distance of the nearest hit so far, initially the ray's t_max; −∞ once the ray is done.
     pub t: f32,
     /// The vectors of [`WoopRay`].
     origin: [f32; 3],
@@ -35,7 +35,7 @@ impl StreamRay {
     #[inline(always)]
     pub fn of_packet(ray: &Ray<F32x8>, padding: Padding, t: F32x8) -> ([Self; 8], U32x8, U32x8) {
         let BoxRay { inverse, near, far } = BoxRay::new(ray, padding);
-        // Differs from a direction below 0 only for −0, whose inverse has the sign too.
+        // It differs from a test for a negative direction only for −0, whose inverse has the sign too.
         let octants = [inverse.x, inverse.y, inverse.z].map(|inverse| inverse.to_bits().shr(31));
         let octants = octants[0] | octants[1].shl(1) | octants[2].shl(2);
         let (d, g) = in_other_order(inverse.x, near.x, far.x);
@@ -50,10 +50,10 @@ impl StreamRay {
         (std::array::from_fn(|lane| bytemuck::cast([low[lane], high[lane]])), axis, octants)
     }
 
-    /// The number of `rest` at this place, 0 to 5.
+    /// Returns the number at an index of `rest`, 0 to 5.
     #[inline(always)]
     pub fn rest(&self, place: usize) -> &f32 {
-        // It lies behind the three numbers of `inverse`; `& 15` drops the bounds check.
+        // `rest` follows the three numbers of `inverse`; `& 15` drops the bounds check.
         let numbers: &[f32; 16] = bytemuck::cast_ref(self);
         &numbers[(3 + place) & 15]
     }
@@ -66,7 +66,7 @@ impl StreamRay {
         BoxRay { inverse: vector(self.inverse), near, far }
     }
 
-    /// Rays, one a lane, as boxes and triangles take them, and the distances of their nearest hits so far.
+    /// Returns rays, one per lane, in the forms of box and triangle tests, and the t of their hits so far.
     #[inline(always)]
     pub fn columns(
         stream_rays: &[Self],
@@ -95,7 +95,7 @@ impl StreamRay {
     pub fn woop(&self, axis: u32) -> WoopRay<f32> {
         WoopRay::from_parts(axis, vector(self.origin), vector(self.shear))
     }
-    /// The same where it is.
+    /// Returns a reference to the ray in the form of triangle tests.
     #[inline(always)]
     pub fn stored_woop(&self, axis: u32) -> StoredWoopRay<'_> {
         let ([a, b, c], [x, y, z]) = (&self.origin, &self.shear);
@@ -103,8 +103,8 @@ impl StreamRay {
     }
 }
 
-/// The numbers of an axis in the order of [`BoxRay`], near and far, from that of `rest`, or the other way
-/// round.
+/// Returns the numbers of an axis in the order of [`BoxRay`], near and far, from their order in `rest`; or
+/// the other way round.
 #[inline(always)]
 fn in_other_order<L: Lane>(inverse: L, first: L, second: L) -> (L, L) {
     let exchanged = inverse.is_sign_negative() & Mask::splat(ORDERS_BY_T);

@@ -1,4 +1,4 @@
-//! Entry points of a tile, found by its frustum level by level; and whether its packets pay.
+//! Finds the entry points of a tile with its frustum, level by level, and decides whether packets pay.
 
 use super::sharing::{EMPTY, Entry, SeenTile};
 use crate::bvh::{Child, WIDE};
@@ -7,37 +7,37 @@ use crate::traverse::counter::CounterSink;
 use crate::traverse::frustum::{Boxes, Frustum};
 use crate::traverse::hierarchy::Hierarchy;
 
-/// Most entry points of a tile.
+/// The largest number of entry points of a tile.
 pub const MAX_ENTRY_POINTS: usize = 64;
-// One bit of a mask each, in whole blocks of boxes.
+// Each entry point is one bit of a mask, and they fill whole blocks of boxes.
 const _: () = assert!(MAX_ENTRY_POINTS == u64::BITS as usize && MAX_ENTRY_POINTS.is_multiple_of(WIDE));
 
-/// Which tiles are traced in packets.
+/// The tiles to trace in packets.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Packets {
-    /// All that can be.
+    /// All tiles that packets can trace.
     Always,
-    /// Those for which that is faster than streams, by an estimate.
+    /// The tiles for which packets are faster than streams, by an estimate.
     WherePaying,
 }
 
-/// Most inner nodes among the entry points of a tile for which packets pay.
+/// The largest number of inner nodes among the entry points of a tile for which packets pay.
 const MAX_INNER: usize = 32;
-/// Up to so many leaves, and no inner nodes, packets pay, whatever the estimate would say.
+/// Up to this many leaves without inner nodes, packets pay; the estimate is skipped.
 const FEW_LEAVES: usize = 30;
 
-/// Entry points: nodes and leaves that together hold all that a tile can see, nearest first; one bit of a
+/// Entry points: nodes and leaves that together hold all that a tile can see, nearest first, and one bit of a
 /// mask each.
 pub struct EntryPoints {
     boxes: [Boxes; MAX_ENTRY_POINTS / WIDE],
     pub children: [Child; MAX_ENTRY_POINTS],
-    /// The distance along the frustum axis at which each begins, ascending.
+    /// The distances along the frustum axis at which the entry points begin, ascending.
     pub near: [f32; MAX_ENTRY_POINTS],
     pub filled: usize,
 }
 
 impl EntryPoints {
-    /// `None` if packets do not pay. Gives up early where that is probable.
+    /// Finds the entry points; returns `None` if packets do not pay, early if that is probable.
     pub fn of(
         hierarchy: &Hierarchy,
         tile: &SeenTile,
@@ -47,7 +47,7 @@ impl EntryPoints {
         let frustum = &tile.frustum;
         let mut entries = [Entry { near: 0.0, child: Child(0), node: 0, slot: 0 }; MAX_ENTRY_POINTS];
         let mut filled = 1;
-        // Level by level, as long as there is room: each round opens the nodes that the one before found.
+        // Level by level, as long as there is room: each round opens the nodes that the previous one found.
         let mut opened = true;
         let inner = |entries: &[Entry]| entries.iter().filter(|entry| !entry.child.is_leaf()).count();
         while opened {
@@ -111,7 +111,7 @@ impl EntryPoints {
         Some(sorted)
     }
 
-    /// Fetches the cache lines of the next of these entry points, if there is one.
+    /// Fetches the cache lines of the next of the `entries`, if there is one.
     #[inline(always)]
     pub fn prefetch_next(&self, hierarchy: &Hierarchy, entries: &mut impl Iterator<Item = usize>) {
         if let Some(entry) = entries.next() {
@@ -119,7 +119,7 @@ impl EntryPoints {
         }
     }
 
-    /// The entry points whose boxes reach between the sides of a packet's frustum, one bit each.
+    /// Returns the entry points whose boxes reach between the sides of a packet's frustum, one bit each.
     #[inline(always)]
     pub fn across(&self, frustum: &Frustum) -> u64 {
         let boxes = self.boxes[..self.filled.div_ceil(WIDE)].iter();

@@ -1,14 +1,14 @@
-//! Packet traversal of primary rays, a tile at a time.
+//! Traces primary rays in packets, one tile at a time.
 //!
 //! The frustum around the whole tile traverses the tree first, level by level, until it has up to
 //! [`MAX_ENTRY_POINTS`] entry points: nodes and leaves that together hold all that the tile can see, sorted
-//! by distance. Without entry points the tile is empty. Then each packet, with a frustum of its own,
-//! traverses in order the entry points that its frustum meets, and below them nearest first. In a leaf the
-//! triangles outside the frustum are culled; the packet is tested against the rest one by one, and once more
-//! against those that a ray hits.
+//! by distance. A tile without entry points is empty. Each packet, with a frustum of its own, then traverses
+//! in order the entry points that its frustum meets, and below them nearest first. In a leaf the triangles
+//! outside the frustum are culled; the packet is tested against the rest one by one, and once more against
+//! those that a ray hits.
 //!
-//! A packet pays for a triangle that one of its rays meets as for one that all meet. Tiles that see many
-//! leaves so small, or so thin, that few rays of a packet would share each are left to streams: [`Packets`].
+//! A packet pays as much for a triangle that one of its rays meets as for one that all meet. Streams trace
+//! tiles that see many leaves so small or thin that few rays of a packet share each: see [`Packets`].
 //!
 //! Source: Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005: entry points for
 //! tiles.
@@ -31,11 +31,11 @@ use crate::prepared::Packet;
 use entry_points::EntryPoints;
 use sharing::SeenTile;
 
-/// Most rays of a tile.
+/// The largest number of rays of a tile.
 pub const TILE: usize = 256;
-/// Most rows of slopes of a tile.
+/// The largest number of rows of slopes of a tile.
 const ROWS: usize = TILE / ROW;
-/// Slopes of a row.
+/// The number of slopes in a row.
 const ROW: usize = F32x8::WIDTH;
 
 /// The traversal of one packet.
@@ -66,8 +66,8 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
         Self { tile, frustum, packet, hit, depths, limit: f32::INFINITY, closer: false }
     }
 
-    /// Visits the entry points that are set in `meets`. Before each visit it fetches one of `unread`, those
-    /// that no packet met before.
+    /// Visits the entry points that are set in `meets`. Before each visit it fetches one of `unread`, which
+    /// no packet met before.
     #[inline(always)]
     fn run(
         mut self,
@@ -146,8 +146,8 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
             let (_, meets) =
                 self.frustum.pass(|upper| main[upper & 1], |axis| triangles.planes(axis), self.limit);
             self.tile.counter.packet_triangles(self.tile.hierarchy, leaf, L::WIDTH, meets);
-            // All triangles first, without a branch for whether one is hit, which would often be predicted
-            // wrong; those that are hit are tested again. (Only the latter where rays have different z axes.)
+            // All triangles are tested first, without a branch, which would often be mispredicted; those that
+            // are hit are tested again. (If rays have different z axes, only the second test runs.)
             let candidates = triangles.candidates_of_packet(meets.bitmask(), &self.packet);
             let Self { tile: TileTraversal { hierarchy, .. }, packet, hit, .. } = self;
             set_bits(candidates).fold(false, |closer, lane| {
@@ -160,14 +160,14 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
     #[inline(always)]
     fn shorten(&mut self) {
         self.closer = true;
-        // Rounding is monotone: no box that a ray meets before its hit begins beyond this limit.
-        // A t_max that is NaN counts as infinite.
+        // Rounding is monotone: no box that a ray meets before its hit begins beyond this limit. A t_max of
+        // NaN counts as infinite.
         self.limit = greatest((self.depths * self.hit.t).min(L::splat(f32::INFINITY)));
     }
 }
 
-/// The least and the greatest of the slopes of each of eight packets, from rows of eight slopes, one or two
-/// rows a packet. What stands for packets behind the last row is not to be used.
+/// Returns the least and the greatest of the slopes of each of eight packets, from rows of eight slopes, one
+/// or two rows per packet. Lanes of packets behind the last row are unspecified.
 #[inline(always)]
 fn spans<L: Lane>(rows: &[F32x8]) -> [F32x8; 2] {
     let each = L::WIDTH / ROW;
@@ -187,8 +187,8 @@ fn spans<L: Lane>(rows: &[F32x8]) -> [F32x8; 2] {
     [low, high].map(|span| span.expect("eight rows"))
 }
 
-/// Improves the hits of up to [`TILE`] primary rays, whose `t` come in as the rays' t_max. Returns false and
-/// does nothing if the rays are not whole packets or do not run together from one origin, or if packets do
+/// Improves the hits of up to [`TILE`] primary rays, whose `t` are at first the rays' t_max. Returns false
+/// and does nothing if the rays are not whole packets, do not run together from one origin, or if packets do
 /// not pay.
 #[inline(never)]
 pub fn trace(
@@ -230,14 +230,14 @@ struct TileTraversal<'a, C> {
 }
 
 impl<C: CounterSink> TileTraversal<'_, C> {
-    /// `slopes` has rows of eight rays.
+    /// Traces all packets of the tile. `slopes` has rows of eight rays.
     #[inline(always)]
     fn packets<L: Lane>(&self, rays: &Rays, slopes: [&[F32x8]; 2], hits: &mut Hits, stack: &mut Stack) {
         let Self { hierarchy, axis, entry_points, counter } = *self;
         let packets = rays.len() / L::WIDTH;
         // The entry points that packets have met so far.
         let mut met = 0;
-        // Frusta are made eight at a time.
+        // Frusta are computed eight at a time.
         for first in (0..packets).step_by(8) {
             let rows = slopes.map(|rows| &rows[first * (L::WIDTH / ROW)..]);
             let frusta = axis.frusta(rows.map(|rows| spans::<L>(rows)));
@@ -245,9 +245,9 @@ impl<C: CounterSink> TileTraversal<'_, C> {
                 let (frustum, at) = (axis.frustum(&frusta, packet - first), packet * L::WIDTH);
                 counter.boxes(entry_points.filled.div_ceil(WIDE), entry_points.filled);
                 let meets = entry_points.across(&frustum);
-                // Many packets of tiles at silhouettes meet no entry point, and are not prepared.
+                // Many packets of tiles at silhouettes meet no entry point; they are not prepared.
                 if meets != 0 {
-                    // The first is fetched while the packet is prepared, one more before each visit.
+                    // The first is fetched while the packet is prepared, another before each visit.
                     let mut unread = set_bits(meets & !met);
                     entry_points.prefetch_next(hierarchy, &mut unread);
                     met |= meets;

@@ -1,5 +1,5 @@
-//! Whether packets pay: an estimate, from the extents of boxes on the tile, of how many rays of a packet
-//! share a leaf.
+//! Decides whether packets pay, by an estimate of how many rays of a packet share a leaf, from the extents of
+//! boxes on the tile.
 
 use crate::bvh::{Child, WIDE};
 use crate::lane::{F32x8, Lane, Mask, Native, NativeMask};
@@ -16,7 +16,7 @@ pub struct Entry {
     pub slot: u32,
 }
 
-/// A tile, as boxes are seen in it.
+/// A tile, and the boxes seen in it.
 pub struct SeenTile<'a> {
     pub axis: &'a FrustumAxis,
     /// The least and the greatest slopes along each of the other axes.
@@ -25,8 +25,8 @@ pub struct SeenTile<'a> {
 }
 
 impl SeenTile<'_> {
-    /// Whether packets are probably faster than streams, by the leaves of all entries. What hides what is not
-    /// looked at.
+    /// Tests whether packets are probably faster than streams, by the leaves of all entries. Occlusion
+    /// between leaves is ignored.
     pub fn packets_pay(&self, hierarchy: &Hierarchy, entries: &[Entry]) -> bool {
         let nodes = &hierarchy.bvh.wide;
         let mut sharing = Sharing { rays: Native::zero(), visits: Native::zero() };
@@ -50,7 +50,7 @@ impl SeenTile<'_> {
                 sharing.add(covered, Native::load(&leaves).only(meets));
             }
         }
-        // Boxes behind the last one are NaN, of which the estimate would make boxes that cover all.
+        // Boxes behind the last one are NaN, which the estimate would treat as boxes that cover everything.
         let last = Native::one().only(NativeMask::first(gathered));
         sharing.add(self.axis.covered(&self.span, &boxes), last);
         let sum = |x: Native| (0..WIDE).map(|lane| x.get(lane)).sum::<f32>();
@@ -59,36 +59,36 @@ impl SeenTile<'_> {
     }
 }
 
-/// Packets of a full tile, along each side, and rays of a packet: as if all were 16 wide.
+/// The number of packets along each side of a full tile, as if all packets had 16 rays.
 const PACKETS_A_SIDE: f32 = 4.0;
 const PACKET: f32 = 16.0;
-/// Rays of a full tile.
+/// The number of rays of a full tile.
 const RAYS: f32 = PACKETS_A_SIDE * PACKETS_A_SIDE * PACKET;
 
-/// Packets pay where (rays that share a leaf)³ is at least (entry points / 23)⁴: one ray with 23 entry
-/// points, 3.9 with 64, of 16 whatever the width. The more entry points, the more a stream saves, which tests
-/// a ray against many boxes at once.
+/// Tests whether packets pay: if (rays that share a leaf)³ is at least (entry points / 23)⁴, which is one ray
+/// with 23 entry points and 3.9 with 64, of 16 rays at any width. With more entry points a stream saves more,
+/// because it tests a ray against many boxes at once.
 ///
-/// The exponent is fitted to 13,500 tiles traced in both ways, of 15 views of knots, terrains and scans of
-/// 4,000 to 1,000,000 triangles (16 lanes, AMD Zen 4), the 23 to the speed of streams since then:
+/// The exponent is fitted to 13,500 tiles of 15 views of knots, terrains and scans of 4,000 to 1,000,000
+/// triangles, traced in both ways (16 lanes, AMD Zen 4), the 23 to the later speed of streams:
 /// `perf/README.md`.
 fn are_shared_enough(shared: f32, entry_points: usize) -> bool {
     let entry_points = entry_points as f32 / 23.0;
     shared * shared * shared >= entry_points * entry_points * entry_points * entry_points
 }
 
-/// Leaves that an inner node which is not opened counts for.
+/// The number of leaves that an unopened inner node counts for.
 const INNER_LEAVES: f32 = 8.0;
 
-/// Sums of [`SeenTile::packets_pay`]: rays that meet leaves, and visits of packets to leaves.
+/// The sums of [`SeenTile::packets_pay`]: rays that meet leaves, and visits of packets to leaves.
 struct Sharing {
     rays: Native,
     visits: Native,
 }
 
 impl Sharing {
-    /// Adds boxes that cover these shares of the tile's sides and stand for so many leaves each. A leaf is
-    /// visited by the packets that it covers and, with the part of its edge, by one more a side.
+    /// Adds boxes that cover these shares of the tile's sides, each with its number of leaves. A leaf is
+    /// visited by the packets that it covers and, for the part of its edge, by one more per side.
     #[inline(always)]
     fn add(&mut self, [a, b]: [Native; 2], leaves: Native) {
         let side = Native::splat(PACKETS_A_SIDE);
@@ -100,7 +100,7 @@ impl Sharing {
     }
 }
 
-/// No box: NaN passes no bound, not even an infinite one.
+/// A block without boxes: NaN passes no bound, not even an infinite one.
 pub const EMPTY: Boxes = [[f32::NAN; WIDE]; 8];
 
 #[cfg(test)]

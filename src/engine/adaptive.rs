@@ -16,12 +16,12 @@
 //!
 //! # Guarantee
 //! The root mean square of the errors over the picture is at most the target, and no block's error is above
-//! [`MAX_BLOCK_ERROR`] times the target. An equal error for all blocks would be best for the worst block
-//! alone: a block whose samples have the relative standard deviation σ and that has n of them contributes
-//! σ²/n, and for a given sum of n the sum of these is smallest where n is proportional to σ, not to σ². So a
-//! block may have the error target · √(σ / mean σ): blocks with four times the mean σ get four times its
-//! samples and twice its error. With the same error for every block the picture's is no smaller than if all
-//! pixels had the mean number of samples.
+//! [`MAX_BLOCK_ERROR`] times the target. Equal errors in all blocks would be best only for the worst block: a
+//! block with n samples of relative standard deviation σ contributes σ²/n, and for a given sum of n these
+//! contributions are smallest if n is proportional to σ, not to σ². A block may therefore have the error
+//! target · √(σ / mean σ): blocks with four times the mean σ get four times its samples and twice its error.
+//! With the same error for every block the picture's is no smaller than if all pixels had the mean number of
+//! samples.
 //!
 //! # Rounds
 //! All blocks begin with `least` samples. After each round the samples of every unfinished block are doubled;
@@ -29,11 +29,11 @@
 //! tolerance, and
 //! - no neighbouring block has more than [`MAX_SAMPLE_RATIO`] times as many samples: the light paths that
 //!   make a block noisy often reach its neighbours as well, where no sample may have found them yet;
-//! - it has found light, or has [`BLACK_SAMPLES`] samples a pixel: where all samples are black, the estimate
-//!   is 0 and meaningless.
+//! - it has found light, or has [`BLACK_SAMPLES`] samples a pixel: if all are black, the estimate is 0 and
+//!   meaningless.
 //!
-//! Decisions depend on nothing but the film, between rounds: they are the same for any number of threads and
-//! lanes. They do depend on the tiles, which are the blocks.
+//! Decisions depend only on the film, between rounds: they are the same for any number of threads and lanes.
+//! They do depend on the tiles, which are the blocks.
 //!
 //! # Bias
 //! Stopping by an estimate from the same samples is biased in principle: samples that by chance have a low
@@ -44,9 +44,9 @@
 //! influence. Measured, means of 12 to 24 seeds against long runs: less than 2e-4 of the brightness in the
 //! scenes `three`, `thesis` and `chess` at targets from 0.1 to 0.2 (`tests/pictures/adaptive_laws.rs` holds
 //! it below a hundredth of the target), nothing above the uncertainty of 1e-3 in `spheres` and
-//! `cornell-spheres`. It shows where blocks stop before they have found rare paths: a floor under a uniform
-//! sky with a sixth of its light from a light that one path in 18,000 finds came out 2.3 % too dark at a
-//! target of 0.2 and at most 2,048 samples; with one path in 1,600, 0.1 %.
+//! `cornell-spheres`. The bias shows if blocks stop before they have found rare paths: a floor under a
+//! uniform sky with a sixth of its light from a light that one path in 18,000 finds came out 2.3 % too dark
+//! at a target of 0.2 and at most 2,048 samples; with one path in 1,600, 0.1 %.
 //!
 //! # Gain
 //! Rays to the same relative error over the picture, uniform over adaptive sampling, at 240×135 and targets
@@ -58,13 +58,13 @@ use crate::film::Film;
 use crate::film::TileSums;
 use crate::film::noise::luminance;
 
-/// Lower limit of a pixel's luminance in its relative error, as a share of the picture's brightness.
+/// The lower limit of a pixel's luminance in its relative error, as a share of the picture's brightness.
 pub const LUMINANCE_FLOOR: f64 = 0.1;
 /// The largest error of a block, as a multiple of the target.
 pub const MAX_BLOCK_ERROR: f64 = 2.0;
 /// The largest ratio of samples between neighbouring blocks that lets the lower one finish.
 pub const MAX_SAMPLE_RATIO: u32 = 16;
-/// Samples of each pixel from which on a block that has found no light counts as black.
+/// A block without light counts as black from this number of samples of each pixel on.
 pub const BLACK_SAMPLES: u32 = 256;
 
 /// The target of adaptive sampling.
@@ -72,42 +72,42 @@ pub const BLACK_SAMPLES: u32 = 256;
 pub struct Target {
     /// The largest root mean square error of the picture.
     pub error: f64,
-    /// The smallest and the largest number of samples of a pixel.
+    /// The smallest number of samples of a pixel.
     pub least: u32,
-    /// Most samples of a pixel.
+    /// The largest number of samples of a pixel.
     pub most: u32,
 }
 
-/// Statistics of a block.
+/// The statistics of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Block {
     pixels: usize,
     samples: u32,
-    /// Mean luminance.
+    /// The mean luminance.
     luminance: f64,
-    /// Infinite before the first estimate.
+    /// The error, infinite before the first estimate.
     error: f64,
 }
 
 /// The samples to take next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Round {
-    /// The number of samples that each tile shall have, by tile number; whatever for tiles that the film has
-    /// not.
+    /// The number of samples that each tile shall have, by tile number; unspecified for tiles outside the
+    /// film.
     pub goals: Vec<u32>,
-    /// The expected total of pixel samples of the whole picture, if each block's error falls with the square
-    /// root of its samples.
+    /// The expected number of samples of the whole picture, if each block's error falls with the square root
+    /// of its number of samples.
     pub forecast: u64,
 }
 
 impl Round {
-    /// `samples` samples for every pixel; none if all have them.
+    /// Returns the round after which every pixel has `samples` samples; `None` if all have them.
     pub fn equal(film: &Film, samples: u32) -> Option<Self> {
         let numbers = film.tiles.last().map_or(0, |tile| tile.tile.number + 1);
         let forecast = film.pixels() * u64::from(samples);
         (film.samples() < samples).then_some(Self { goals: vec![samples; numbers], forecast })
     }
-    /// The largest number of samples that a tile lacks, and the pixels of all tiles that lack some.
+    /// Returns the largest number of samples that a tile lacks, and the pixels of all tiles that lack some.
     pub fn missing(&self, film: &Film) -> (u32, u64) {
         let goals = film.tiles.iter().map(|tile| (tile, self.goals[tile.tile.number]));
         let lacking = goals.filter(|(tile, goal)| tile.samples < *goal);
@@ -120,10 +120,9 @@ impl Round {
 /// The estimated error of a film's picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
-    /// The root mean square of the blocks' errors over the picture, and the largest error of a block;
-    /// infinite before the first estimate.
+    /// The root mean square of the blocks' errors over the picture; infinite before the first estimate.
     pub rms: f64,
-    /// The largest error of a block.
+    /// The largest error of a block; infinite before the first estimate.
     pub largest: f64,
 }
 
@@ -142,13 +141,13 @@ impl ErrorEstimate {
 }
 
 impl Block {
-    /// The relative standard deviation of single samples.
+    /// Returns the relative standard deviation of single samples.
     fn deviation(&self) -> f64 {
         self.error * f64::from(self.samples).sqrt()
     }
 }
 
-/// The mean over the pixels of a picture.
+/// Returns the mean over the pixels of a picture.
 fn mean(blocks: &[Block], of: impl Fn(&Block) -> f64) -> f64 {
     let (mut sum, mut pixels) = (0.0, 0.0);
     for block in blocks {
@@ -159,15 +158,15 @@ fn mean(blocks: &[Block], of: impl Fn(&Block) -> f64) -> f64 {
 }
 
 impl Target {
-    /// Is the error within the target?
+    /// Tests whether the error is within the target.
     pub fn met(&self, error: &ErrorEstimate) -> bool {
         error.rms <= self.error && error.largest <= MAX_BLOCK_ERROR * self.error
     }
 
-    /// The next round; none if every block is finished or has the largest number of samples.
+    /// Returns the next round; `None` if every block is finished or has the largest number of samples.
     ///
     /// # Panics
-    /// As [`ErrorEstimate::of`].
+    /// If the film does not estimate its variance: see [`ErrorEstimate::of`].
     pub fn next(&self, film: &Film) -> Option<Round> {
         let blocks = blocks(film);
         let columns = film.tiles.iter().take_while(|tile| tile.tile.y == 0).count();
@@ -177,7 +176,7 @@ impl Target {
         let mut round = Round { goals: Vec::with_capacity(blocks.len()), forecast: 0 };
         let mut more = false;
         for (at, block) in blocks.iter().enumerate() {
-            // Where all samples are equal, 0 / 0: any tolerance is met.
+            // If all samples are equal, this is 0 / 0: any tolerance is met.
             let share = (block.deviation() / deviation).sqrt().min(MAX_BLOCK_ERROR);
             let tolerance = self.error * if enough || share.is_nan() { MAX_BLOCK_ERROR } else { share };
             let goal = self.goal(&blocks, columns, at, tolerance);
@@ -190,7 +189,7 @@ impl Target {
         more.then_some(round)
     }
 
-    /// The number of samples that a block shall have next: the present one if it is finished.
+    /// Returns the number of samples that a block shall have next: the present one if it is finished.
     fn goal(&self, blocks: &[Block], columns: usize, at: usize, tolerance: f64) -> u32 {
         let Block { samples, luminance, error, .. } = blocks[at];
         let least = self.least.min(self.most);
@@ -219,7 +218,7 @@ fn mean_luminance(tile: &TileSums) -> f64 {
     (0..pixels).map(|slot| luminance(tile.mean(slot))).sum::<f64>() / pixels as f64
 }
 
-/// The square of the mean root of the blocks' luminance.
+/// Returns the square of the mean root of the blocks' luminance.
 fn brightness(film: &Film, luminances: &[f64]) -> f64 {
     let tiles = film.tiles.iter().zip(luminances);
     let roots = tiles.map(|(tile, luminance)| tile.tile.pixels() as f64 * luminance.max(0.0).sqrt());
@@ -227,7 +226,7 @@ fn brightness(film: &Film, luminances: &[f64]) -> f64 {
     (roots.sum::<f64>() / (width * height)).powi(2)
 }
 
-/// `mean`: the tile's [`mean_luminance`].
+/// Returns the statistics of a tile whose [`mean_luminance`] is `mean`.
 fn block(tile: &TileSums, mean: f64, floor: f64) -> Block {
     let noise = tile.noise.as_ref().expect("the film estimates its variance");
     let pixels = tile.tile.pixels();

@@ -11,11 +11,11 @@ pub trait Choice: Copy + PartialEq + Send + Sync + 'static {
     const NAMES: &'static [&'static str];
     /// All alternatives, in the order in which help texts list them.
     fn all() -> &'static [Self];
-    /// As the command line, view files and reports spell it.
+    /// Returns the name in the command line, in view files and in reports.
     fn name(self) -> &'static str;
-    /// The help text: one sentence.
+    /// Returns the help text: one sentence.
     fn about(self) -> &'static str;
-    /// The alternative of this name; names are case-sensitive.
+    /// Returns the alternative with this name; names are case-sensitive.
     fn from_name(name: &str) -> Option<Self> {
         Self::all().iter().copied().find(|choice| choice.name() == name)
     }
@@ -68,10 +68,10 @@ macro_rules! choices {
         }
 
         impl $Choice {
-            /// All alternatives, in the order of help texts.
+            /// All alternatives, in the order in which help texts list them.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
 
-            /// As the command line, view files and reports spell it.
+            /// Returns the name in the command line, in view files and in reports.
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$Variant => $name),+ }
             }

@@ -1,9 +1,9 @@
-//! Why a picture is black, nearly black, white, or lacks light, and the option that mends it.
+//! Explains why a picture is black, nearly black, white, or lacks light, and names the option that helps.
 //!
-//! A scene may be dark on purpose, so little is told. A picture is black where all of it is 0; nearly black
-//! where 95 % of it is darker than `DARK` and no pixel brighter than `DIM`, as stars or a light would be;
-//! white where half of it is brighter than `BURNT`, which a white background is not. For the light lost at
-//! the bounce limit see `Loss::is_large`.
+//! Thresholds are conservative, because a scene may be dark on purpose. A picture is black if all of it is 0;
+//! nearly black if 95 % of it is darker than `DARK` and no pixel is brighter than `DIM`, as stars or a light
+//! would be; white if half of it is brighter than `BURNT`, which a white background is not. `Loss::is_large`
+//! decides about light lost at the bounce limit.
 
 use crate::camera::Tile;
 use crate::film::{Film, TileSums};
@@ -11,21 +11,21 @@ use crate::render::Renderer;
 use crate::scene::{MAX_BOUNCES, MaterialKind, Scene, Sphere};
 use crate::tone::{MAX_EXPOSURE, Tone};
 
-/// Displayed intensities, of which 1 is white: sRGB 25 and 137 of 255 for the first two.
+/// Thresholds of displayed intensity, with white at 1: the first two are sRGB 25 and 137 of 255.
 const DARK: f32 = 0.01;
 const DIM: f32 = 0.25;
 const BURNT: f32 = 1.5;
-/// Tiles in which paths are traced again with more bounces, about.
+/// The approximate number of tiles in which paths are traced again with more bounces.
 const PROBED_TILES: usize = 36;
-/// Paths with fewer bounces are short on purpose.
+/// Limits below this number of bounces are taken as intended.
 const LEAST_BOUNCES: u32 = 2;
-/// Paths that are neighbours, and that lose light together: one alone may be noise.
+/// The number of neighbouring paths that must lose light together, because one alone may be noise.
 const BLOCK: usize = 16;
 
-/// What is odd about the film that the renderer made of the scene, as clauses. `tone` is how it is displayed;
-/// a linear file has none. Traces two samples of some tiles, and changes no bit of the picture.
+/// Returns one warning for each problem found in the scene's film. `tone` is the display's; a linear file has
+/// none. Traces two samples of some tiles, and changes no bit of the picture.
 pub fn warnings(renderer: &mut Renderer, scene: &Scene, film: &Film, tone: Option<Tone>) -> Vec<String> {
-    // Without light, the scene has its own warning.
+    // A scene without light has its own warning.
     if film.pixels_begun() < film.pixels() || scene.sky.is_black() && !scene.emits() {
         return Vec::new();
     }
@@ -47,7 +47,7 @@ pub fn warnings(renderer: &mut Renderer, scene: &Scene, film: &Film, tone: Optio
     loss.into_iter().chain(tone.and_then(|tone| brightness.wrong_exposure(tone))).collect()
 }
 
-/// The likeliest reason of a picture without any light. `more` bounces would bring some.
+/// Returns the likeliest reason for a picture without any light. `more` bounces would bring some.
 fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>) -> String {
     let bounces = renderer.settings().max_bounces;
     let camera = renderer.camera().origin::<f32>().get(0);
@@ -62,26 +62,26 @@ fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>)
     } else if let Some(index) = scene.spheres.iter().position(is_around) {
         format!("the camera is inside spheres[{index}]: move its `position` out of the ball")
     } else if film.rays() == film.pixel_samples() && bounces > 0 {
-        // No path went on after its first ray.
+        // No path continued after its first ray.
         "nothing is in view: let `look_at` name a point of the scene, or leave out `camera`".to_string()
     } else {
         "no path has found a light: make it larger, or move away what is in front of it".to_string()
     }
 }
 
-/// How bright the pixels of a film are, by their brightest channel.
+/// The brightness of a film's pixels, by their brightest channel.
 struct Brightness {
     most: f32,
-    /// Of 95 % of the pixels, at least.
+    /// The 95 % quantile, rounded down to two bits.
     bright: f32,
-    /// Of half of the pixels at most, by their darkest channel.
+    /// The median of the pixels' darkest channels, rounded down to two bits.
     half: f32,
 }
 
 impl Brightness {
     fn of(film: &Film) -> Self {
         let mut most = 0.0_f32;
-        // Pixels by exponent and two more bits.
+        // Counts of pixels by exponent and two more bits.
         let [mut highest, mut lowest] = [[0_u64; 1 << 10]; 2];
         for tile in film.tiles() {
             for slot in 0..tile.tile.pixels() {
@@ -105,12 +105,12 @@ impl Brightness {
         Self { most, bright: quantile(&highest, 0.95), half: quantile(&lowest, 0.5) }
     }
 
-    /// Whether the picture is nearly black or white, and the exposure that mends it.
+    /// Returns a warning and the exposure that helps, if the picture is nearly black or white.
     fn wrong_exposure(&self, tone: Tone) -> Option<String> {
         let Self { most, bright, half } = *self;
         let [shown_most, shown_bright, shown_half] =
             [most, bright, half].map(|radiance| radiance * tone.exposure.exp2());
-        // What shows this radiance as white.
+        // The exposure that shows this radiance as white.
         let mend = |white: f32, lights: &str| {
             let stops = -white.log2().round();
             match stops.abs() <= MAX_EXPOSURE {
@@ -120,7 +120,7 @@ impl Brightness {
                 }
             }
         };
-        // Two digits that count.
+        // Rounds to two significant digits.
         let digits = |x: f32| match x.log10().floor() {
             exponent if (-4.0..6.0).contains(&exponent) => {
                 format!("{x:.0$}", (1.0 - exponent).max(0.0) as usize)
@@ -140,21 +140,21 @@ impl Brightness {
     }
 }
 
-/// Light that more bounces would bring.
+/// The light that more bounces would bring.
 struct Loss {
-    /// As a share of all light.
+    /// The share of all light.
     total: f32,
-    /// The share of the blocks of paths of which three in four have less than half of their light.
+    /// The share of the blocks of paths in which three paths in four have less than half of their light.
     blocks: f32,
 }
 
 impl Loss {
-    /// Compares the same paths with as many bounces and with `more`. What is brighter than `most`, unless
-    /// that is 0, counts as that: one path decides nothing.
+    /// Compares the same paths with the set number of bounces and with `more`. Brighter paths count as
+    /// `most`, unless it is 0, so that no single path decides.
     fn measure(renderer: &mut Renderer, most: f32, more: u32) -> Self {
         let settings = *renderer.settings();
         let step = (Tile::cover(settings.resolution, settings.tile_size).count() / PROBED_TILES).max(1);
-        // Scattered: not the same columns in every row of tiles.
+        // Scattered, so that not all rows of tiles use the same columns.
         let scattered = |number: usize| (number as u32).wrapping_mul(0x9E37_79B9) >> 16;
         let keep = |number| (scattered(number) as usize).is_multiple_of(step);
         let limit = if most > 0.0 { most } else { f32::MAX };
@@ -180,9 +180,9 @@ impl Loss {
         }
     }
 
-    /// Half of all light, as in a white room, or most of it somewhere, as in nested glass. Measured: up to
-    /// 0.002 of the blocks in the built-in scenes with 4 bounces, 0.026 in the book's scene with a hollow
-    /// glass ball.
+    /// Tests whether half of all light is lost, as in a white room, or most of it somewhere, as in nested
+    /// glass. Measured: up to 0.002 of the blocks in the built-in scenes with 4 bounces, 0.026 in the book's
+    /// scene with a hollow glass ball.
     fn is_large(&self) -> bool {
         self.total >= 0.5 || self.blocks >= 0.015
     }

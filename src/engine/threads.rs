@@ -2,11 +2,11 @@
 
 use std::sync::{Arc, Mutex, MutexGuard};
 
-/// A pool of threads, and one working memory for each.
+/// A pool of threads, with one working memory for each.
 pub struct Threads<W> {
-    /// Without a pool for one thread: then the caller's thread does the work.
+    /// The pool; for a single thread it is empty, and the caller's thread does the work.
     pool: Handle,
-    /// The locks are never contended: each thread takes its own.
+    /// The working memories. Their locks are never contended: each thread has its own.
     memories: Vec<Mutex<W>>,
 }
 
@@ -21,24 +21,24 @@ impl<W: Send> Threads<W> {
         });
         Self { pool: Handle(pool), memories: (0..count).map(|_| Mutex::new(memory())).collect() }
     }
-    /// The number of worker threads.
+    /// Returns the number of worker threads.
     pub fn count(&self) -> usize {
         self.memories.len()
     }
-    /// Is the caller's thread the only one? Then parallel iterators would start rayon's global pool.
+    /// Tests whether the caller's thread is the only one: parallel iterators would start rayon's global pool.
     pub fn is_single(&self) -> bool {
         self.pool.0.is_none()
     }
-    /// Runs `run` on these threads, where parallel iterators use all of them. Around many calls, it saves
-    /// waking the threads for each.
+    /// Calls `run` on these threads, where parallel iterators use all of them. One call around many others
+    /// saves waking the threads for each.
     pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.pool.run(run)
     }
-    /// A handle that runs work on these threads without borrowing the memories.
+    /// Returns a handle that runs work on these threads without borrowing the memories.
     pub fn handle(&self) -> Handle {
         self.pool.clone()
     }
-    /// Calls `run` with each working memory in turn. Not while threads work.
+    /// Calls `run` with each working memory in turn. Must not be called while threads work.
     ///
     /// # Panics
     /// If work panicked while it held one.
@@ -47,13 +47,13 @@ impl<W: Send> Threads<W> {
         memories
             .for_each(|memory| run(&mut memory.lock().expect("no thread panicked with its working memory")));
     }
-    /// The working memory of the current thread, which is one of these: any caller of a single thread, else
-    /// one inside [`Threads::run`].
+    /// Returns the working memory of the current thread, which must be one of these: any caller if there is a
+    /// single thread, else one inside [`Threads::run`].
     ///
     /// # Panics
     /// If work panicked while it held the memory.
     pub fn local(&self) -> MutexGuard<'_, W> {
-        // The caller of a single thread may belong to another pool and have an index there.
+        // If there is a single thread, its caller may belong to another pool and have an index there.
         let thread = if self.is_single() { 0 } else { rayon::current_thread_index().unwrap_or(0) };
         self.memories[thread].lock().expect("no thread panicked with its working memory")
     }
@@ -64,7 +64,7 @@ impl<W: Send> Threads<W> {
 pub struct Handle(Option<Arc<rayon::ThreadPool>>);
 
 impl Handle {
-    /// As [`Threads::run`].
+    /// Calls `run` like [`Threads::run`].
     pub fn run<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         match &self.0 {
             Some(pool) => pool.install(run),

@@ -1,17 +1,17 @@
-//! Tone mapping: exposure, tone curve, sRGB transfer function, eight bits.
+//! Maps radiance to displayed bytes: exposure, tone curve, sRGB transfer function, eight bits.
 
 use crate::choice::choices;
 use crate::film::Picture;
 use crate::scene::SRGB_BORDERS;
 use std::sync::LazyLock;
 
-/// Largest exposure in stops, up or down: past f32's own range in visible light.
+/// The largest exposure in stops, up or down: past f32's own range in visible light.
 pub const MAX_EXPOSURE: f32 = 64.0;
 
-/// Exposure and tone curve: from radiance to displayed intensity.
+/// Exposure and tone curve, which map radiance to displayed intensity.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Tone {
-    /// In stops: radiance is multiplied by 2^exposure first.
+    /// The exposure in stops: radiance is first multiplied by 2^exposure.
     pub exposure: f32,
     /// The tone curve.
     pub operator: Operator,
@@ -32,8 +32,8 @@ choices! {
 }
 
 impl Operator {
-    /// The displayed intensity in [0, 1] for a radiance. Domain: all of f32; NaN and negative values give 0,
-    /// infinity 1.
+    /// Returns the displayed intensity in [0, 1] for a radiance. Domain: all of f32; NaN and negative values
+    /// give 0, infinity 1.
     pub fn map(self, radiance: f32) -> f32 {
         // `NaN > 0` is false. From 1e6 on every curve is 1 to within half an eight-bit step; the bound keeps
         // the polynomials finite.
@@ -48,7 +48,7 @@ impl Operator {
 }
 
 impl Tone {
-    /// The eight-bit sRGB values of pixels in a window's format, 0x00RRGGBB.
+    /// Writes the eight-bit sRGB values of pixels in a window's format, 0x00RRGGBB.
     pub fn words(&self, pixels: &[[f32; 3]], words: &mut [u32]) {
         let scale = self.exposure.exp2();
         for (word, pixel) in words.iter_mut().zip(pixels) {
@@ -57,7 +57,7 @@ impl Tone {
         }
     }
 
-    /// The eight-bit sRGB values of a picture: three bytes a pixel, row by row from the top.
+    /// Returns the eight-bit sRGB values of a picture: three bytes per pixel, row by row from the top.
     pub fn bytes(&self, picture: &Picture) -> Vec<u8> {
         let scale = self.exposure.exp2();
         let shown = |&channel: &f32| srgb_byte(self.operator.map(channel * scale));
@@ -67,8 +67,8 @@ impl Tone {
 
 /// Returns the nearest of the 256 sRGB bytes for an intensity in [0, 1].
 ///
-/// It is the number of [`SRGB_BORDERS`] at or below the intensity. A table by exponent and leading digits
-/// holds how many are below all intensities that share them; one or two comparisons remain. No power is
+/// The byte is the number of [`SRGB_BORDERS`] at or below the intensity. A table by exponent and leading
+/// digits holds their number for all intensities that share these; one or two comparisons remain. No power is
 /// computed, which matters for a window that shows many frames a second.
 pub fn srgb_byte(linear: f32) -> u8 {
     static CURVE: LazyLock<Curve> = LazyLock::new(Curve::new);
@@ -76,18 +76,18 @@ pub fn srgb_byte(linear: f32) -> u8 {
 }
 
 struct Curve {
-    /// [`SRGB_BORDERS`], rounded; infinity at the end.
+    /// [`SRGB_BORDERS`], rounded, and infinity at the end.
     borders: [f32; 256],
-    /// Number of borders at or below the smallest float of each part.
+    /// The number of borders at or below the smallest float of each part.
     below: [u8; Self::PARTS],
 }
 
 impl Curve {
-    /// Floats that are equal except in this many lowest bits form a part.
+    /// Floats that differ only in this many lowest bits form a part.
     const SHIFT: u32 = 17;
-    /// Intensities below it encode to 0: 2⁻¹³.
+    /// The smallest intensity of the table: 2⁻¹³. Smaller ones encode to 0.
     const LEAST: f32 = 1.0 / 8192.0;
-    /// Up to 1, which is a part by itself.
+    /// The number of parts up to 1, which is a part by itself.
     const PARTS: usize = ((1.0f32.to_bits() - Self::LEAST.to_bits()) >> Self::SHIFT) as usize + 1;
 
     fn new() -> Self {
@@ -116,7 +116,7 @@ impl Curve {
 mod tests {
     use super::*;
 
-    /// The curve from intensity to stored value, as IEC 61966-2-1:1999 states it.
+    /// Returns the stored value of an intensity, as IEC 61966-2-1:1999 defines it.
     fn srgb_encode(linear: f64) -> f64 {
         if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
     }

@@ -1,4 +1,4 @@
-//! The features that a scene needs of its pipeline.
+//! The sets of features that scenes need of their pipelines.
 
 use super::rows::Rows;
 use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels};
@@ -44,8 +44,8 @@ features! {
     MANY_TRIANGLES = 13, "many-triangles";
     /// More materials than a register table holds.
     MANY_MATERIALS = 14, "many-materials";
-    /// A hierarchy is faster than testing every primitive: [`crate::render::features_of`] decides.
-    /// Every pipeline can trace through a hierarchy, as the traversal may be chosen for any scene.
+    /// A hierarchy is faster than testing every primitive: [`crate::render::features_of`] decides. Every
+    /// pipeline can trace through a hierarchy, because the traversal may be chosen for any scene.
     HIERARCHY = 16, "hierarchy";
     /// Next event estimation: shadow rays to lights.
     LIGHTS = 17, "lights";
@@ -74,28 +74,28 @@ impl Features {
         .with(Self::ROUGHNESS_MAPS)
         .with(Self::EMISSION_MAPS);
 
-    /// These features and the other's.
+    /// Returns the features of both sets.
     pub const fn with(self, other: Features) -> Features {
         Features(self.0 | other.0)
     }
-    /// These features but the other's.
+    /// Returns the features of this set that are not in the other.
     pub const fn without(self, other: Features) -> Features {
         Features(self.0 & !other.0)
     }
-    /// Whether this set holds every feature of `other`.
+    /// Tests whether this set holds every feature of `other`.
     pub const fn contains(self, other: Features) -> bool {
         self.0 & other.0 == other.0
     }
-    /// Whether this set holds some feature of `other`.
+    /// Tests whether this set holds some feature of `other`.
     pub const fn meets(self, other: Features) -> bool {
         self.0 & other.0 != 0
     }
-    /// The names of the features, for people and reports.
+    /// Returns the names of the features, for people and reports.
     pub fn names(self) -> Vec<&'static str> {
         Self::NAMES.iter().filter(|(need, _)| self.contains(*need)).map(|(_, name)| *name).collect()
     }
 
-    /// The features that shading a scene needs; of its materials, only those that some primitive has.
+    /// Returns the features that shading a scene needs; materials that no primitive has do not count.
     /// Traversal and lights add their own: [`Features::HIERARCHY`], [`crate::lights::Lights::needs`].
     pub fn of(scene: &Scene) -> Features {
         let mut needs = Features::NONE;
@@ -145,13 +145,13 @@ impl Features {
     }
 }
 
-/// Tests whether the feature set `n` holds this feature. Constant for the compiler.
+/// Tests whether the feature set `n` holds this feature. The compiler sees a constant.
 #[inline(always)]
 pub const fn has(n: u32, feature: Features) -> bool {
     Features(n).contains(feature)
 }
 
-/// The materials that some primitive has.
+/// Iterates over the materials that some primitive has.
 fn used_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
     let mut is_used = vec![false; scene.materials.len()];
     scene.all_primitives().for_each(|primitive| is_used[primitive.material() as usize] = true);

@@ -1,4 +1,4 @@
-//! The rows of spheres and triangles: packed from a scene here, and unpacked over lanes.
+//! The rows of spheres and triangles: packed from a scene, and unpacked over lanes.
 
 use super::rows::Rows;
 use crate::kernel::surface::{near_edge, triangle_normal, triangle_offset};
@@ -6,27 +6,27 @@ use crate::lane::{Bits, Lane};
 use crate::math::Vec3;
 use crate::scene::{Side, Sphere, Triangle};
 
-/// How next event estimation samples a primitive.
+/// The way in which next event estimation samples a primitive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SampledAs {
-    /// It is not sampled.
+    /// The primitive is not sampled.
     #[default]
     Nothing,
-    /// It is a light, chosen with this probability.
+    /// The primitive is a light, chosen with this probability.
     Whole(f32),
-    /// It is half of a parallelogram that is a light: the probability of choosing that light, and the index
-    /// of the vertex opposite the other half.
+    /// The primitive is half of a parallelogram that is a light: the probability of choosing that light, and
+    /// the index of the vertex opposite the other half.
     Half(f32, usize),
-    /// Each of its pieces is a light: the index of the first one.
+    /// Each piece of the primitive is a light: the index of the first one.
     Pieces(u32),
 }
 
-/// Position, in bits, of the vertex opposite the other half, in the column of a triangle's material.
+/// The position, in bits, of the vertex opposite the other half in the column of a triangle's material.
 const VERTEX_SHIFT: u32 = 30;
 
 impl SampledAs {
-    /// Returns the column of the probability, and what is added to the column of the material: above
-    /// [`VERTEX_SHIFT`], one more than the index of the vertex of [`SampledAs::Half`]. For pieces the
+    /// Returns the column of the probability, and the number that is added to the column of the material:
+    /// above [`VERTEX_SHIFT`], one more than the index of the vertex of [`SampledAs::Half`]. For pieces the
     /// probability is replaced by −1 minus the index of the first light, below 2²⁴.
     fn pack(self) -> (f32, u32) {
         match self {
@@ -38,7 +38,7 @@ impl SampledAs {
     }
 }
 
-/// [`SampledAs`] of a primitive in each lane.
+/// The [`SampledAs`] of a primitive in each lane.
 #[derive(Clone, Copy)]
 pub struct SampledPrimitives<L: Lane> {
     column: L,
@@ -51,7 +51,7 @@ impl<L: Lane> SampledPrimitives<L> {
     pub fn are_sampled(&self) -> L::Mask {
         !self.column.eq(L::zero())
     }
-    /// Returns the probabilities of choosing the light, 0 where there is none. Domain: not for pieces.
+    /// Returns the probabilities of choosing the light, 0 if there is none. Domain: not for pieces.
     #[inline(always)]
     pub fn probability(&self) -> L {
         self.column
@@ -66,7 +66,7 @@ impl<L: Lane> SampledPrimitives<L> {
     pub fn first_piece(&self) -> L::Bits {
         (-L::one() - self.column).truncate_to_int()
     }
-    /// Returns, for each vertex, the lanes of halves in which it is the one opposite the other half.
+    /// Returns, for each vertex, the lanes of halves in which that vertex is opposite the other half.
     #[inline(always)]
     pub fn opposite_vertex(&self) -> [L::Mask; 3] {
         let vertex = self.material.shr(VERTEX_SHIFT);
@@ -80,14 +80,14 @@ pub struct SphereRow<L: Lane> {
     pub center: Vec3<L>,
     /// One over the radius.
     pub inverse_radius: L,
-    /// Distance from the surface at which spawned rays start.
+    /// The distance from the surface at which spawned rays start.
     pub offset: L,
-    /// Index of the material.
+    /// The index of the material.
     pub material: L::Bits,
-    /// Rotation of the texture, in turns. Its sign bit is set where the texture is oriented to be seen from
+    /// The rotation of the texture, in turns. Its sign bit is set if the texture is oriented to be seen from
     /// outside: with the angle's sign flipped by it, the angle plus this number is u on both sides.
     pub turn: L,
-    /// How it is sampled as a light.
+    /// The way in which the sphere is sampled as a light.
     pub light: SampledPrimitives<L>,
 }
 
@@ -126,18 +126,18 @@ pub struct TriangleRow<L: Lane> {
     pub edges: [Vec3<L>; 2],
     /// The unit normal.
     pub ng: Vec3<L>,
-    /// Distance from the surface at which spawned rays start.
+    /// The distance from the surface at which spawned rays start.
     pub offset: L,
-    /// Index of the material.
+    /// The index of the material.
     pub material: L::Bits,
     /// See [`near_edge`].
     pub near_edge: L,
-    /// How it is sampled as a light.
+    /// The way in which the triangle is sampled as a light.
     pub light: SampledPrimitives<L>,
 }
 
-/// Returns the two rows of a triangle: a, ab, offset, material and what is added to it (bits, see
-/// [`SampledAs::pack`]); ac, unit normal, probability of being chosen as a light, [`near_edge`].
+/// Returns the two rows of a triangle: a, ab, offset, material with the number of [`SampledAs::pack`] (bits);
+/// ac, unit normal, probability of being chosen as a light, [`near_edge`].
 pub(super) fn triangle_rows(triangle: &Triangle, light: SampledAs) -> [[f32; 8]; 2] {
     let [a, b, c] = triangle.vertices;
     let (ab, ac) = (b - a, c - a);

@@ -1,13 +1,13 @@
-//! Levels of detail of a texture: its mip chain.
+//! Computes the levels of detail of a texture: its mip chain.
 
 use crate::scene::{SRGB_BORDERS, Texels, Texture};
 
-/// A level: columns and rows, and texels of the texture's own format.
+/// A level: columns and rows, and texels in the texture's own format.
 pub(super) type Level = ([u32; 2], Texels);
 
-/// The levels of [`Texture::level_sizes`]. A texel is the mean of the area that it covers in the level
-/// before, which is not rounded: colours are averaged in linear light, data as the numbers that they are. A
-/// side of 2 n + 1 texels is halved to n, each of them the mean of 2 + 1/n.
+/// Computes the levels of [`Texture::level_sizes`]. A texel is the mean of the area that it covers in the
+/// previous level before rounding: colours are averaged in linear light, data as plain numbers. A side of 2 n
+/// + 1 texels is halved to n, each of them the mean of 2 + 1/n.
 ///
 /// Source: L. Williams, "Pyramidal Parametrics", SIGGRAPH 1983; weights of odd sides: S. Guthe, P. Heckbert,
 /// "Non-Power-of-Two Mipmap Creation", NVIDIA, 2005.
@@ -16,7 +16,7 @@ pub(super) fn mip_chain(texture: &Texture) -> Vec<Level> {
     let mut before = ([texture.width, texture.height], Vec::new());
     for size in texture.level_sizes() {
         let means = match chain.is_empty() {
-            // Not decoded at once: that takes six times the memory of the texels.
+            // The texels are decoded one by one: all at once they take six times the memory.
             true => halve(before.0, size, |index| decode(&texture.texels, index)),
             false => halve(before.0, size, |index| before.1[index]),
         };
@@ -26,7 +26,7 @@ pub(super) fn mip_chain(texture: &Texture) -> Vec<Level> {
     chain
 }
 
-/// The means of the texels of a level from the level before.
+/// Returns the means of the texels of a level from the previous level.
 pub(crate) fn halve(
     [width, height]: [u32; 2],
     [columns, rows]: [u32; 2],
@@ -48,11 +48,11 @@ pub(crate) fn halve(
     means
 }
 
-/// Of `count` texels in a line that `halved` ones replace: those that number `index` covers, and the share of
-/// each.
+/// Iterates over the texels that texel `index` of a halved line covers, with the share of each; `halved`
+/// texels replace `count`.
 fn covered(count: u32, halved: u32, index: u32) -> impl Iterator<Item = (usize, f64)> {
     let [count, halved, index] = [count, halved, index].map(u64::from);
-    // In parts of a texel: `halved` to each of the `count`, `count` to each of the `halved`.
+    // In parts of a texel: each of the `count` has `halved` parts, each of the `halved` has `count`.
     let (start, end) = (index * count, (index + 1) * count);
     (start / halved..end.div_ceil(halved)).map(move |texel| {
         let part = end.min((texel + 1) * halved) - start.max(texel * halved);
@@ -60,7 +60,7 @@ fn covered(count: u32, halved: u32, index: u32) -> impl Iterator<Item = (usize, 
     })
 }
 
-/// A texel in numbers that may be averaged. Bytes of data stay bytes: means of four are exact.
+/// Decodes a texel to numbers that may be averaged. Bytes of data stay bytes: means of four are exact.
 fn decode(texels: &Texels, index: usize) -> [f64; 3] {
     match texels {
         Texels::Unorm8(texels) => {
@@ -71,7 +71,7 @@ fn decode(texels: &Texels, index: usize) -> [f64; 3] {
     }
 }
 
-/// Means in the format of `texels`, rounded to nearest: bytes of sRGB by their own scale.
+/// Encodes means in the format of `texels`, rounded to nearest: sRGB bytes by their own scale.
 fn encode(texels: &Texels, means: &[[f64; 3]]) -> Texels {
     let bytes = |byte: fn(f64) -> u8| {
         let texel = |mean: &[f64; 3]| {

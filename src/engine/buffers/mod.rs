@@ -1,7 +1,7 @@
 //! The scene flattened into aligned structure-of-arrays buffers, and the features that it needs.
 //!
-//! Shading reads *row tables* ([`rows::Rows`]) of eight floats a row, each lane at its own index: rows are
-//! fetched and transposed into packets in registers. What intersection reads is in [`crate::traverse`].
+//! Shading reads *row tables* ([`rows::Rows`]) of eight floats per row, each lane at its own index: rows are
+//! fetched and transposed into packets in registers. The data of intersection is in [`crate::traverse`].
 
 pub mod features;
 mod geometry;
@@ -20,68 +20,68 @@ use crate::scene::{self, MaterialKind, Scene};
 use glam::Vec3;
 use rows::Rows;
 
-/// Everything that shading reads of a scene.
+/// The data of a scene that shading reads.
 pub struct Buffers {
     /// The features that the scene uses.
     pub needs: Features,
-    /// The numbers of each kind of primitive.
+    /// The number ranges of each kind of primitive.
     pub ranges: KindRanges,
     /// The number of spheres.
     pub spheres: u32,
-    /// One row of eight a sphere: see [`SphereRow`].
+    /// One row of eight per sphere: see [`SphereRow`].
     pub sphere_rows: Rows,
-    /// Two rows of eight a triangle: see [`TriangleRow`].
+    /// Two rows of eight per triangle: see [`TriangleRow`].
     pub triangle_rows: Rows,
-    /// Whether all triangles are parallel: then none hides another that it shares an edge with.
+    /// Whether all triangles are parallel: none then hides another that shares an edge with it.
     pub are_parallel: bool,
-    /// One row of eight a triangle: u and v of the three vertices, v downwards, and
+    /// One row of eight per triangle: u and v of the three vertices, v downwards, and
     /// [`surface::texture_density`]; empty without texture coordinates.
     pub uv_rows: Rows,
-    /// One row of eight a material: colour, parameter, emission, kind and texture (bits; see
+    /// One row of eight per material: colour, parameter, emission, kind and texture (bits; see
     /// [`MaterialCode`]).
     pub material_rows: Rows,
-    /// Two rows of eight a triangle: normals of the first two vertices, 0, 0; of the third, 0. Empty without
-    /// vertex normals.
+    /// Two rows of eight per triangle: normals of the first two vertices, 0, 0; normal of the third, 0. Empty
+    /// without vertex normals.
     pub normal_rows: Rows,
-    /// One row of eight a triangle: unit tangent along growing u, handedness (+1 or −1: v grows to its left,
-    /// or right, seen from outside), 0; all 0 where u has no direction. Empty where no triangle has a normal
+    /// One row of eight per triangle: unit tangent along growing u, handedness (+1 or −1: v grows to its
+    /// left, or right, seen from outside), 0; all 0 if u has no direction. Empty if no triangle has a normal
     /// map.
     pub tangent_rows: Rows,
-    /// One row of eight a material, read where the pipeline has some of [`Features::DETAILS`]: index of
+    /// One row of eight per material, read if the pipeline has some of [`Features::DETAILS`]: index of
     /// refraction, mean transmittance of plastic's coat, roughness map, normal map and emission map (bits:
-    /// index + 1, 0 for none), 0. Of metal-rough the first two are the dielectric's reflectance at normal
+    /// index + 1, 0 for none), 0. For metal-rough the first two are the dielectric's reflectance at normal
     /// incidence and the metallic share.
     pub material_extra: Rows,
     /// Whether any triangle has texture coordinates of its own.
     pub has_uvs: bool,
     /// All textures, encoded for lookups.
     pub textures: Textures,
-    /// What rays see that hit nothing.
+    /// The environment, seen by rays that hit nothing.
     pub sky: Sky,
 }
 
-/// The sky as shading reads it.
+/// The sky in the form that shading reads.
 #[derive(Clone, Copy, Debug)]
 pub struct Sky {
-    /// Radiance straight down, or of a uniform sky, or the factor of the texture.
+    /// The radiance straight down, the radiance of a uniform sky, or the factor of the texture.
     pub bottom: Vec3,
-    /// Radiance straight up minus `bottom`; zero without a gradient.
+    /// The radiance straight up minus `bottom`; zero without a gradient.
     pub rise: Vec3,
-    /// Index of the texture, where [`Features::SKY_TEXTURE`] holds.
+    /// The index of the texture, if [`Features::SKY_TEXTURE`] holds.
     pub texture: u32,
-    /// Turns of the texture: added to u.
+    /// The rotation of the texture in turns, which is added to u.
     pub turn: f32,
 }
 
-/// A material's kind and texture in one number: kind in the lowest byte, above it texture index + 1, 0 for
-/// none.
+/// The kind and the texture of a material in one number: the kind in the lowest byte, the texture's index + 1
+/// above it, 0 for none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaterialCode(pub u32);
 
 impl MaterialCode {
-    /// Emits and scatters nothing.
+    /// An emitter, which scatters nothing.
     pub const EMITTER: u32 = 0;
-    /// Lambertian.
+    /// A diffuse (Lambertian) surface.
     pub const DIFFUSE: u32 = 1;
     /// A perfect mirror.
     pub const MIRROR: u32 = 2;
@@ -89,19 +89,19 @@ impl MaterialCode {
     pub const GGX: u32 = 3;
     /// A smooth dielectric.
     pub const GLASS: u32 = 4;
-    /// The thesis's lobe.
+    /// The fuzzy mirror of the thesis.
     pub const FUZZY_MIRROR: u32 = 5;
     /// A coat over a diffuse base.
     pub const PLASTIC: u32 = 6;
-    /// glTF's metallic-roughness.
+    /// The metallic-roughness model of glTF.
     pub const METAL_ROUGH: u32 = 7;
-    /// Position of the texture index, in bits.
+    /// The position of the texture index, in bits.
     pub const TEXTURE_SHIFT: u32 = 8;
-    /// Masks the kind.
+    /// The mask of the kind.
     pub const KIND: u32 = 0xff;
 
-    /// The code of a material, and its parameter: alpha of GGX, plastic's coat and metal-rough, index of
-    /// refraction of glass (negated: thin glass), roughness of the fuzzy mirror.
+    /// Returns the code of a material, and its parameter: alpha of GGX, plastic's coat and metal-rough, index
+    /// of refraction of glass (negated: thin glass), roughness of the fuzzy mirror.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -120,7 +120,7 @@ impl MaterialCode {
 }
 
 impl Buffers {
-    /// Flattens a scene. `light` says of each primitive, by its number, how it is sampled as a light.
+    /// Flattens a scene. `light` returns how the primitive with a number is sampled as a light.
     pub fn new(scene: &Scene, light: impl Fn(usize) -> SampledAs) -> Self {
         let first_triangle = scene.counts().first(Kind::Triangle);
         let spheres = scene.spheres.iter().enumerate().map(|(number, sphere)| {
@@ -162,14 +162,14 @@ impl Sky {
     }
 }
 
-/// See [`Buffers::material_rows`].
+/// Returns a row of [`Buffers::material_rows`].
 fn material_row(material: &scene::Material) -> [f32; 8] {
     let (code, parameter) = MaterialCode::of(material);
     let (color, emission) = (material.color, material.emission);
     [color.x, color.y, color.z, parameter, emission.x, emission.y, emission.z, f32::from_bits(code.0)]
 }
 
-/// See [`Buffers::material_extra`].
+/// Returns a row of [`Buffers::material_extra`].
 fn detail_row(material: &scene::Material) -> [f32; 8] {
     let (ior, transmitted) = match material.kind {
         MaterialKind::Plastic { ior, .. } => (ior, plastic::mean_transmittance(ior)),
@@ -182,19 +182,19 @@ fn detail_row(material: &scene::Material) -> [f32; 8] {
     [ior, transmitted, code(roughness_map), normal_map, emission_map, 0.0, 0.0, 0.0]
 }
 
-/// See [`Buffers::normal_rows`].
+/// Returns the two rows of a triangle in [`Buffers::normal_rows`].
 fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {
     [[a.x, a.y, a.z, b.x, b.y, b.z, 0.0, 0.0], [c.x, c.y, c.z, 0.0, 0.0, 0.0, 0.0, 0.0]]
 }
 
-/// See [`Buffers::uv_rows`].
+/// Returns a row of [`Buffers::uv_rows`].
 fn uv_row((triangle, uvs): (&scene::Triangle, &[glam::Vec2; 3])) -> [f32; 8] {
     let [au, bu, cu] = surface::remove_shared_repeats(uvs.map(|uv| f64::from(uv.x)));
     let [av, bv, cv] = surface::remove_shared_repeats(uvs.map(|uv| 1.0 - f64::from(uv.y)));
     [au, av, bu, bv, cu, cv, surface::texture_density(triangle.vertices, *uvs), 0.0]
 }
 
-/// See [`Buffers::tangent_rows`].
+/// Iterates over the rows of [`Buffers::tangent_rows`].
 fn tangent_rows(scene: &Scene) -> impl Iterator<Item = [f32; 8]> {
     let mapped =
         |triangle: &scene::Triangle| scene.materials[triangle.material as usize].normal_map.is_some();

@@ -21,12 +21,12 @@ pub struct Rows {
 struct Columns([[f32; Rows::COLUMN_LENGTH]; 8]);
 
 impl Rows {
-    /// Most rows that fit into registers of eight lanes as columns.
+    /// The largest number of rows that fit as columns into registers of eight lanes.
     pub const FEW: usize = 8;
-    /// Most rows that are kept as columns.
+    /// The largest number of rows that are kept as columns.
     const COLUMN_LENGTH: usize = 16;
 
-    /// The rows, padded.
+    /// Stores the rows, padded.
     pub fn new(rows: impl Iterator<Item = [f32; 8]>) -> Self {
         let mut rows: Vec<Row> = rows.map(Row).collect();
         rows.shrink_to_fit();
@@ -38,20 +38,20 @@ impl Rows {
         }
         Self { rows, first_as_columns }
     }
-    /// Whether there is no row.
+    /// Tests whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
-    /// Row `index` of each lane. `fits_registers` promises that the table has at most [`Rows::FEW`] rows; the
-    /// result is the same with and without it.
+    /// Returns row `index` of each lane. `fits_registers` promises that the table has at most [`Rows::FEW`]
+    /// rows; the result does not depend on it.
     ///
     /// # Panics
-    /// Without `fits_registers`, if an index in any lane is not below the number of rows, of which there are
-    /// more than sixteen.
+    /// Without `fits_registers`, if the table has more than sixteen rows and an index in any lane is not
+    /// below their number.
     #[inline(always)]
     pub fn fetch<L: Lane>(&self, index: L::Bits, fits_registers: bool) -> [L; 8] {
         let columns = &self.first_as_columns.0;
-        // A register of sixteen lanes takes a column of sixteen as it lies in memory.
+        // A register of sixteen lanes loads a column of sixteen from memory unchanged.
         if fits_registers && L::WIDTH <= Self::FEW {
             columns.each_ref().map(|column| L::pick(column.first_chunk().expect("eight of sixteen"), index))
         } else if fits_registers || self.rows.len() <= Self::COLUMN_LENGTH {
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::lane::{Bits, F32x8, F32x16};
 
-    /// Tables of every kind: in one register of eight, in one of sixteen or two, and in memory.
+    /// Tests tables of every size: in one register of eight, in one of sixteen or two, and in memory.
     #[test]
     fn every_row_is_fetched_at_every_width() {
         fn check<L: Lane>(count: u32) {

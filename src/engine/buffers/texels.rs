@@ -1,4 +1,4 @@
-//! The texels of all textures in two pools, display values and linear radiance, and their lookup over lanes.
+//! Stores the texels of all textures, as display values or linear radiance, and looks them up over lanes.
 
 use super::mip_chain::mip_chain;
 use super::rows::Rows;
@@ -8,34 +8,34 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::{Filter, TexelKind, Texels, Texture};
 
-/// All textures of a scene, and a table of the place of each in its pool.
+/// All textures of a scene, and a table with the position of each in its pool.
 pub struct Textures {
-    /// Display values or data, red in the lowest byte. Never empty: inactive lanes read index 0.
+    /// Display values or data, red in the lowest byte. Never empty, because inactive lanes read index 0.
     display: Vec<u32>,
     /// Linear radiance. Never empty.
     linear: Vec<[f32; 4]>,
-    /// One row a texture: width, height, first texel (bits), bilinear (1 or 0), linear radiance (1 or 0), its
-    /// last level of detail, its first row in `levels` (bits).
+    /// One row per texture: width, height, first texel (bits), bilinear (1 or 0), linear radiance (1 or 0),
+    /// last level of detail, first row in `levels` (bits).
     grids: Rows,
-    /// One row a level of detail, each texture's own texels first: width, height, first texel (bits). Empty
-    /// where no texture has levels.
+    /// One row per level of detail, each texture's own texels first: width, height, first texel (bits). Empty
+    /// if no texture has levels.
     levels: Rows,
-    /// At most [`Rows::FEW`] textures.
+    /// Whether there are at most [`Rows::FEW`] textures.
     few: bool,
 }
 
-/// The texture features that a pipeline has.
+/// The texture features of a pipeline.
 #[derive(Clone, Copy)]
 pub struct Abilities {
-    /// Some texture is filtered bilinearly.
+    /// Whether some texture is filtered bilinearly.
     pub bilinear: bool,
-    /// Some texture holds linear radiance.
+    /// Whether some texture holds linear radiance.
     pub linear: bool,
-    /// Some texture has levels of detail. Only where that is so, `levels` is not empty.
+    /// Whether some texture has levels of detail. If none has, `levels` is empty.
     pub levels: bool,
 }
 
-/// What a lookup reads.
+/// The parameters of a lookup.
 #[derive(Clone, Copy)]
 struct Lookup<L: Lane> {
     /// The lanes that read.
@@ -83,7 +83,7 @@ impl Textures {
         Self { display, linear, grids, levels, few: textures.len() <= Rows::FEW }
     }
 
-    /// The colour, or the data, of texture `index` at a point. Only lanes in `active` are looked up; the
+    /// Returns the colour or data of texture `index` at a point. Only lanes in `active` are looked up; the
     /// others are unspecified.
     #[inline(always)]
     pub fn sample<L: Lane>(
@@ -103,8 +103,8 @@ impl Textures {
         self.filter(&grid, [is_bilinear, is_linear], at, Lookup { active, abilities, texel_kind })
     }
 
-    /// The indices of the texels of texture `index` that are nearest to a point; 0 in lanes that are not
-    /// `active`. For [`Textures::read_texels`].
+    /// Returns the indices of the texels of texture `index` nearest to a point, for
+    /// [`Textures::read_texels`]; 0 in lanes that are not `active`.
     ///
     /// Domain: textures of display values.
     #[inline(always)]
@@ -119,7 +119,7 @@ impl Textures {
     /// Replaces the indices of texels by the texels.
     ///
     /// # Panics
-    /// If an index is not one of [`Textures::nearest_texels`].
+    /// If an index did not come from [`Textures::nearest_texels`].
     #[inline(never)]
     pub fn read_texels(&self, texels: &mut [u32]) {
         for texel in texels {
@@ -127,8 +127,8 @@ impl Textures {
         }
     }
 
-    /// [`Textures::sample`] where textures have levels of detail: the level that the footprint chooses,
-    /// blended with the next one.
+    /// [`Textures::sample`] for textures with levels of detail: the level that the footprint chooses, blended
+    /// with the next one.
     ///
     /// Not inlined: it is rarely needed, and much code.
     #[inline(never)]
@@ -162,7 +162,7 @@ impl Textures {
         Vec3::select(between, (coarser - color).mul_add(blend, color), color)
     }
 
-    /// The texture at a point of one of its levels. `is_bilinear` and `is_linear` are those of the table.
+    /// Returns the texture at a point of a level. `is_bilinear` and `is_linear` come from the table.
     #[inline(always)]
     fn filter<L: Lane>(
         &self,

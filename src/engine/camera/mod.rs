@@ -1,4 +1,4 @@
-//! From raster space to primary rays.
+//! Maps raster space to primary rays.
 
 mod tile;
 
@@ -22,9 +22,9 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
-    /// The camera for a picture of this width and height.
+    /// Prepares a camera for a picture of this width and height.
     pub fn new(camera: &scene::Camera, [width, height]: [u32; 2]) -> Self {
-        // In f64: it is computed once per image.
+        // In f64, because it is computed once per image.
         let forward = (camera.look_at.as_dvec3() - camera.position.as_dvec3()).normalize();
         let right = forward.cross(camera.up.as_dvec3()).normalize();
         let up = right.cross(forward);
@@ -42,13 +42,13 @@ impl Pinhole {
         }
     }
 
-    /// The frustum of all primary rays through the rectangle of pixels whose first is `x`, `y`.
+    /// Returns the frustum of all primary rays through the rectangle of pixels whose first is `x`, `y`.
     pub fn view_frustum(&self, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> ViewFrustum {
         // In pixels. A ray may pass the edge of a pixel exactly, and both additions in `rays` round by 2⁻²⁴
-        // of the length of `corner` in each component: in the largest images, of 16,384² pixels, 2 √3 ·
-        // 2⁻²⁴ · 11,585 = 2.4e-3 of a pixel (the size of a pixel cancels). The distance of the image plane
-        // adds to the length of `corner` too; where that is the larger part, the field of view is narrow and
-        // the frustum's own margin is wider.
+        // of the length of `corner` in each component: in the largest images, of 16,384² pixels, 2 √3 · 2⁻²⁴
+        // · 11,585 = 2.4e-3 of a pixel (the size of a pixel cancels). The distance of the image plane adds to
+        // the length of `corner`, too; if it is the larger part, the field of view is narrow and the
+        // frustum's own margin is wider.
         let margin = 4e-3;
         let direction =
             |x: f64, y: f64| self.corner.as_dvec3() + self.right.as_dvec3() * x + self.down.as_dvec3() * y;
@@ -62,17 +62,17 @@ impl Pinhole {
         )
     }
 
-    /// Where all primary rays begin.
+    /// Returns the origin of all primary rays.
     pub fn position(&self) -> glam::Vec3 {
         self.position
     }
-    /// The origin of all primary rays.
+    /// Returns the origin of all primary rays in each lane.
     #[inline(always)]
     pub fn origin<L: Lane>(&self) -> Vec3<L> {
         Vec3::splat(self.position)
     }
 
-    /// Primary rays through points in raster space. Directions have unit length within 2 ε.
+    /// Returns primary rays through points in raster space. Directions have unit length within 2 ε.
     #[inline(always)]
     pub fn rays<L: Lane>(&self, x: L, y: L) -> Ray<L> {
         let corner = Vec3::splat(self.corner);
@@ -81,7 +81,7 @@ impl Pinhole {
     }
 
     /// Projects directions from the camera to raster space: the inverse of [`Pinhole::rays`]. The mask holds
-    /// where the direction points in front of the camera; elsewhere the point is unspecified.
+    /// the lanes whose direction points in front of the camera; in the others the point is unspecified.
     ///
     /// Domain: directions of any length.
     /// Error: 1e-3 of a pixel in images of up to 4,096 pixels a side (measured, `tests/pictures/history.rs`).
@@ -94,7 +94,7 @@ impl Pinhole {
         (along(self.right), along(self.down), L::zero().lt(depth))
     }
 
-    /// The width of a pixel at distance 1, in scene units.
+    /// Returns the width of a pixel at distance 1, in scene units.
     pub fn pixel_size(&self) -> f32 {
         self.right.length()
     }

@@ -1,29 +1,29 @@
-//! The division of a picture into tiles.
+//! Divides a picture into tiles.
 
-/// Most pixels in a tile: what the paths of more take does not fit a first-level cache. Tiles of 512 pixels
-/// are not faster, and smaller ones slower.
+/// The largest number of pixels in a tile: the paths of more do not fit a first-level cache. Tiles of 512
+/// pixels are not faster, and smaller ones are slower.
 pub const MAX_PIXELS: usize = 256;
 
-/// Columns and rows of the blocks in which a tile's pixels are numbered: a packet of sixteen.
+/// The columns and rows of the blocks in which a tile's pixels are numbered: a packet of sixteen.
 pub const BLOCK: u32 = 4;
 
 /// A rectangle of pixels, at most [`MAX_PIXELS`] of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
-    /// Index in the picture's order of tiles.
+    /// The index in the picture's order of tiles.
     pub number: usize,
-    /// Its first column.
+    /// The first column.
     pub x: u32,
-    /// Its first row.
+    /// The first row.
     pub y: u32,
-    /// Pixels in a row.
+    /// The number of pixels in a row.
     pub width: u32,
-    /// Rows.
+    /// The number of rows.
     pub height: u32,
 }
 
 impl Tile {
-    /// The tiles of a picture, row by row, each at most `size` pixels wide and high.
+    /// Iterates over the tiles of a picture, row by row, each at most `size` pixels wide and high.
     pub fn cover(resolution: [u32; 2], size: [u32; 2]) -> impl Iterator<Item = Tile> {
         let starts = move |axis: usize| (0..resolution[axis]).step_by(size[axis] as usize);
         let corners = starts(1).flat_map(move |y| starts(0).map(move |x| (x, y)));
@@ -35,14 +35,14 @@ impl Tile {
             height: size[1].min(resolution[1] - y),
         })
     }
-    /// The number of its pixels.
+    /// Returns the number of pixels.
     pub fn pixels(&self) -> usize {
         (self.width * self.height) as usize
     }
-    /// The column and row in the picture of each pixel, in the order in which they are numbered: in bands of
-    /// [`BLOCK`] rows, in a band by blocks of [`BLOCK`] columns, in a block row by row; the last band and the
-    /// last block may be smaller. So a packet of rays sees a square or half of one: fewer edges and fewer
-    /// primitives than a row of as many pixels.
+    /// Iterates over the column and row in the picture of each pixel, in the order in which pixels are
+    /// numbered: in bands of [`BLOCK`] rows, in a band by blocks of [`BLOCK`] columns, in a block row by row;
+    /// the last band and the last block may be smaller. A packet of rays therefore sees a square or half of
+    /// one, with fewer edges and primitives than a row of as many pixels.
     pub fn places(self) -> impl Iterator<Item = [u32; 2]> {
         let blocks = |length: u32| {
             (0..length).step_by(BLOCK as usize).map(move |first| (first, BLOCK.min(length - first)))

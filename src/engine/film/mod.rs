@@ -1,4 +1,4 @@
-//! Sums of linear radiance, each pixel's samples in a fixed order.
+//! Stores sums of linear radiance, each pixel's samples in a fixed order.
 //!
 //! Sums are compensated: a plain f32 sum is off by 5e-6 after a million samples and stalls at 2²⁴ of them.
 //! The variance of samples ([`mod@noise`]) is estimated only in films that are made for it. A tile's sums are
@@ -12,7 +12,7 @@ use crate::camera::Tile;
 use crate::lane::{Lane, Mask, NATIVE_WIDTH, Native};
 use noise::Noise;
 
-/// Sums are the same at any width.
+/// The lanes of sums, which are the same at any width.
 type L = Native;
 
 /// A picture in linear RGB, before tone mapping: the mean of a film.
@@ -21,23 +21,23 @@ pub type Picture = Map<[f32; 3]>;
 /// A value for each pixel, row by row from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map<T> {
-    /// Pixels in a row.
+    /// The number of pixels in a row.
     pub width: u32,
-    /// Rows.
+    /// The number of rows.
     pub height: u32,
-    /// `width · height` of them.
+    /// The `width · height` values.
     pub pixels: Vec<T>,
 }
 
 impl<T: Clone + Default> Map<T> {
-    /// Allocates only where the map grows. The values are unspecified afterwards.
+    /// Changes the size; allocates only if the map grows. The values are unspecified afterwards.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         (self.width, self.height) = (width, height);
         self.pixels.resize(width as usize * height as usize, T::default());
     }
 }
 
-/// The running sums of a picture. Made by [`crate::render::Renderer::film`].
+/// The running sums of a picture, created by [`crate::render::Renderer::film`].
 #[derive(Clone, Debug)]
 pub struct Film {
     resolution: [u32; 2],
@@ -48,22 +48,22 @@ pub struct Film {
 /// The sums of one tile's pixels, in the order of [`Tile::places`].
 #[derive(Clone, Debug)]
 pub struct TileSums {
-    /// The pixels.
+    /// The pixels of the tile.
     pub tile: Tile,
-    /// Samples that every pixel of the tile has.
+    /// The number of samples that every pixel of the tile has.
     pub samples: u32,
     /// Red, green and blue of each packet of pixels, the last one padded.
     packets: Vec<[CompensatedSum; 3]>,
-    /// Discarded samples of each pixel; empty as long as there are none.
+    /// The number of discarded samples of each pixel; empty as long as there are none.
     discarded: Vec<u32>,
-    /// Estimates the variance, in films made by [`crate::render::Renderer::film_with_noise`].
+    /// The variance estimate, in films made by [`crate::render::Renderer::film_with_noise`].
     pub noise: Option<Noise>,
 }
 
 /// Compensated f32 sums: as accurate as f64 in the same space, at the full width of the lanes.
 ///
-/// Error: ≤ 2 ε of the sum of magnitudes, whatever their number. Source: Kahan, "Further remarks on reducing
-/// truncation errors", CACM 8(1), 1965.
+/// Error: ≤ 2 ε of the sum of magnitudes, for any number of samples. Source: Kahan, "Further remarks on
+/// reducing truncation errors", CACM 8(1), 1965.
 #[derive(Clone, Copy, Debug)]
 struct CompensatedSum {
     sum: L,
@@ -87,7 +87,7 @@ impl CompensatedSum {
 }
 
 impl TileSums {
-    /// Black.
+    /// Creates black sums.
     pub fn new(tile: Tile) -> Self {
         let packets = vec![[CompensatedSum::ZERO; 3]; tile.pixels().div_ceil(L::WIDTH)];
         Self { tile, samples: 0, packets, discarded: Vec::new(), noise: None }
@@ -109,9 +109,9 @@ impl TileSums {
         let [r, g, b] = channels.map(|channel| &channel[..self.packets.len()]);
         let packets = self.packets.iter_mut().zip(r).zip(g).zip(b);
         for (packet, (((sums, r), g), b)) in packets.enumerate() {
-            // Not as arrays: sixteen lanes would go through memory in halves.
+            // Not arrays: sixteen lanes would go through memory in halves.
             let (mut r, mut g, mut b) = (L::load(r), L::load(g), L::load(b));
-            // x · 0 is 0 for every finite x and NaN for the others.
+            // x · 0 is 0 for every finite x, and NaN otherwise.
             let zero = L::zero();
             let finite = r.mul_add(zero, g.mul_add(zero, b * zero)).eq(zero);
             if !finite.all() {
@@ -129,12 +129,12 @@ impl TileSums {
         self.samples += 1;
     }
 
-    /// Samples discarded because they were not finite.
+    /// Returns the number of samples discarded because they were not finite.
     pub fn discarded(&self) -> u64 {
         self.discarded.iter().map(|&count| u64::from(count)).sum()
     }
 
-    /// The mean of a pixel's finite samples; black before the first one.
+    /// Returns the mean of a pixel's finite samples; black before the first one.
     pub fn mean(&self, slot: usize) -> [f64; 3] {
         let count = self.samples - self.discarded.get(slot).unwrap_or(&0);
         let scale = 1.0 / f64::from(count.max(1));
@@ -154,22 +154,22 @@ fn count_discarded(discarded: &mut Vec<u32>, pixels: usize, packet: usize, finit
 }
 
 impl Film {
-    /// Memory of a pixel in bytes while the film's picture is computed: its sums, its share of a tile's other
-    /// memory, and its pixel of the picture. Measured: 37 of the program's 38 in all at 8000×8000.
+    /// The memory of a pixel in bytes while the film's picture is computed: its sums, its share of a tile's
+    /// other memory, and its pixel of the picture. Measured: 37 of the program's 38 bytes at 8000×8000.
     pub const BYTES_PER_PIXEL: usize = 3 * size_of::<CompensatedSum>() / L::WIDTH + 1 + size_of::<[f32; 3]>();
 
-    /// An empty film, divided into tiles of at most `tile_size` pixels in width and height.
+    /// Creates an empty film, divided into tiles of at most `tile_size` pixels in width and height.
     pub fn new(resolution: [u32; 2], tile_size: [u32; 2]) -> Self {
         Self::of_tiles(resolution, tile_size, |_| true)
     }
 
-    /// The same with the tiles whose number `keep` accepts, and memory for no others.
+    /// Creates a film of the tiles whose number `keep` accepts, with memory for no others.
     pub fn of_tiles(resolution: [u32; 2], tile_size: [u32; 2], keep: impl Fn(usize) -> bool) -> Self {
         let tiles = Tile::cover(resolution, tile_size).filter(|tile| keep(tile.number));
         Self { resolution, tiles: tiles.map(TileSums::new).collect(), rays: 0 }
     }
 
-    /// The film with variance estimation, which takes [`Noise::BYTES_PER_PIXEL`] more.
+    /// Adds variance estimation to the film, which takes [`Noise::BYTES_PER_PIXEL`] more.
     pub fn with_noise(mut self) -> Self {
         self.tiles.iter_mut().for_each(|tile| tile.noise = Some(Noise::new(tile.packets.len())));
         self
@@ -187,44 +187,44 @@ impl Film {
         self.rays = 0;
     }
 
-    /// Pixels: width, height.
+    /// Returns the width and height in pixels.
     pub fn resolution(&self) -> [u32; 2] {
         self.resolution
     }
-    /// The sums of the tiles, in ascending order of the tiles' numbers.
+    /// Returns the sums of the tiles, in ascending order of the tiles' numbers.
     pub fn tiles(&self) -> &[TileSums] {
         &self.tiles
     }
-    /// The same, to restore them.
+    /// Returns the sums of the tiles, to restore them.
     pub fn tiles_mut(&mut self) -> &mut [TileSums] {
         &mut self.tiles
     }
-    /// Pixels of all tiles.
+    /// Returns the number of pixels of all tiles.
     pub fn pixels(&self) -> u64 {
         self.tiles.iter().map(|tile| tile.tile.pixels() as u64).sum()
     }
-    /// Samples that every pixel has, discarded ones included.
+    /// Returns the number of samples that every pixel has, discarded ones included.
     pub fn samples(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
     }
-    /// The largest number of samples of a pixel: above [`Film::samples`] after cancellation or adaptive
-    /// sampling.
+    /// Returns the largest number of samples of a pixel: above [`Film::samples`] after cancellation or
+    /// adaptive sampling.
     pub fn most_samples(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0)
     }
-    /// Samples summed over all pixels.
+    /// Returns the number of samples summed over all pixels.
     pub fn pixel_samples(&self) -> u64 {
         self.tiles.iter().map(|tile| tile.tile.pixels() as u64 * u64::from(tile.samples)).sum()
     }
-    /// The mean number of samples of a pixel.
+    /// Returns the mean number of samples of a pixel.
     pub fn mean_samples(&self) -> f64 {
         self.pixel_samples() as f64 / self.pixels().max(1) as f64
     }
-    /// Pixels with at least one sample.
+    /// Returns the number of pixels with at least one sample.
     pub fn pixels_begun(&self) -> u64 {
         self.tiles.iter().filter(|tile| tile.samples > 0).map(|tile| tile.tile.pixels() as u64).sum()
     }
-    /// Rays traced so far: closest-hit or any-hit queries of active lanes.
+    /// Returns the number of rays traced so far: closest-hit or any-hit queries of active lanes.
     pub fn rays(&self) -> u64 {
         self.rays
     }
@@ -232,29 +232,29 @@ impl Film {
     pub fn add_rays(&mut self, rays: u64) {
         self.rays = self.rays.saturating_add(rays);
     }
-    /// Samples discarded because they were not finite. Expected to be 0: more is a bug.
+    /// Returns the number of samples discarded because they were not finite. More than 0 means a bug.
     pub fn discarded(&self) -> u64 {
         self.tiles.iter().map(TileSums::discarded).sum()
     }
-    /// The mean of each pixel's finite samples, whatever the numbers of other pixels; black before the first
-    /// one.
+    /// Returns the mean of each pixel's finite samples, however many other pixels have; black before the
+    /// first one.
     pub fn picture(&self) -> Picture {
         let mut picture = Picture::default();
         self.picture_into(&mut picture);
         picture
     }
-    /// As [`Film::picture`], into an existing picture; allocates only where it grows.
+    /// Writes [`Film::picture`] into an existing picture; allocates only if it grows.
     pub fn picture_into(&self, picture: &mut Picture) {
         self.fill(picture, |tile, slot| tile.mean(slot).map(|channel| channel as f32));
     }
-    /// The number of samples of each pixel, in all three channels.
+    /// Returns the number of samples of each pixel, in all three channels.
     pub fn counts(&self) -> Picture {
         let mut picture = Picture::default();
         self.fill(&mut picture, |tile, _| [tile.samples as f32; 3]);
         picture
     }
 
-    /// Fills the picture with `pixel(tile, slot)` of every pixel.
+    /// Sets every pixel of the picture to `pixel(tile, slot)`.
     fn fill(&self, picture: &mut Picture, pixel: impl Fn(&TileSums, usize) -> [f32; 3]) {
         let [width, _] = self.resolution;
         picture.resize(self.resolution);

@@ -1,4 +1,4 @@
-//! Variance of a pixel's samples, and the standard error of their mean.
+//! Estimates the variance of a pixel's samples, and the standard error of their mean.
 //!
 //! # The estimate
 //! For every group of four consecutive samples of a pixel, starting at a multiple of four, d is the luminance
@@ -8,20 +8,20 @@
 //! would not be).
 //!
 //! Low-discrepancy samples are stratified: with Owen's scrambling the points 4 k to 4 k + 3 of Sobol's
-//! sequence are a net, and so are their two halves. Then d holds only the error of two points, which is still
+//! sequence are a net, and so are their two halves. d then holds only the error of two points, which is still
 //! more than that of all n, and the estimate is conservative. Differences of even and odd samples would not
-//! do: even points all lie in one half of the pixel.
+//! do, because even points all lie in one half of the pixel.
 
 use crate::lane::{Lane, NATIVE_WIDTH, Native};
 
 type L = Native;
 
-/// Samples in a group.
+/// The number of samples in a group.
 pub const GROUP: u32 = 4;
-/// Weights of red, green and blue in luminance. Source: ITU-R BT.709-6, 2015, section 3.
+/// The weights of red, green and blue in luminance. Source: ITU-R BT.709-6, 2015, section 3.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// The luminance of linear RGB.
+/// Returns the luminance of linear RGB.
 pub fn luminance(color: [f64; 3]) -> f64 {
     color.iter().zip(LUMINANCE).map(|(channel, weight)| channel * f64::from(weight)).sum()
 }
@@ -34,21 +34,21 @@ pub struct Noise {
 
 #[derive(Clone, Copy, Debug)]
 struct VarianceSums {
-    /// d of the current group.
+    /// The d of the current group.
     difference: L,
-    /// Σ d² of complete groups. A plain sum: four million of them leave three digits, and two are enough.
+    /// Σ d² of complete groups, as a plain sum: four million leave three digits, and two are enough.
     squares: L,
 }
 
 impl Noise {
-    /// Memory of a pixel in bytes.
+    /// The memory of a pixel in bytes.
     pub const BYTES_PER_PIXEL: usize = size_of::<VarianceSums>() / L::WIDTH;
 
     pub(super) fn new(packets: usize) -> Self {
         Self { packets: vec![VarianceSums { difference: L::zero(), squares: L::zero() }; packets] }
     }
 
-    /// Adds sample number `sample` of every pixel, counted from 0. One that is not finite counts as black.
+    /// Adds sample number `sample`, counted from 0, of every pixel. Infinite and NaN samples count as black.
     pub(super) fn add(&mut self, sample: u32, [r, g, b]: [&[[f32; NATIVE_WIDTH]]; 3]) {
         let zero = L::zero();
         let weights = LUMINANCE.map(L::splat);
@@ -66,13 +66,13 @@ impl Noise {
         }
     }
 
-    /// d of the current group and Σ d² of a pixel.
+    /// Returns d of the current group and Σ d² of a pixel.
     pub(super) fn numbers(&self, slot: usize) -> [f32; 2] {
         let VarianceSums { difference, squares } = self.packets[slot / L::WIDTH];
         [difference, squares].map(|lanes| lanes.get(slot % L::WIDTH))
     }
 
-    /// Sets what [`Noise::numbers`] returns to `numbers(slot)`.
+    /// Sets each pixel's numbers, as [`Noise::numbers`] returns them, to `numbers(slot)`.
     pub(super) fn set(&mut self, numbers: impl Fn(usize) -> [f32; 2]) {
         for (packet, sums) in self.packets.iter_mut().enumerate() {
             let [difference, squares] =
@@ -81,8 +81,8 @@ impl Noise {
         }
     }
 
-    /// The estimated variance of a pixel's mean luminance after `samples` samples; infinite before the first
-    /// complete group.
+    /// Returns the estimated variance of a pixel's mean luminance after `samples` samples; infinite before
+    /// the first complete group.
     pub(crate) fn variance_of_mean(&self, slot: usize, samples: u32) -> f64 {
         let squares = f64::from(self.packets[slot / L::WIDTH].squares.get(slot % L::WIDTH));
         let groups = samples / GROUP;
@@ -97,14 +97,14 @@ impl Noise {
 mod tests {
     use super::*;
 
-    /// The estimate for a pixel whose sample i is grey of the brightness `value(i)`.
+    /// Returns the estimate for a pixel whose sample i is grey of the brightness `value(i)`.
     fn estimate(samples: u32, value: impl Fn(u32) -> f32) -> f64 {
         let mut noise = Noise::new(1);
         (0..samples).for_each(|sample| noise.add(sample, [&[[value(sample); NATIVE_WIDTH]]; 3]));
         noise.variance_of_mean(5, samples)
     }
 
-    /// Uniform in [0, 1).
+    /// Returns a number that is uniform in [0, 1).
     fn uniform(i: u32) -> f32 {
         (crate::sampling::random::mix_bits(i) >> 8) as f32 / 16_777_216.0
     }

@@ -1,6 +1,6 @@
-//! The sums of a tile as words of 32 bits: the same for every width of packets, and every bit of them.
+//! Converts the sums of a tile to words of 32 bits: all their bits, and the same for every packet width.
 //!
-//! A word holds the bits of an f32, or a u32. Words stand in columns of one word a pixel, in the order of
+//! A word holds the bits of an f32, or a u32. Words form columns of one word per pixel, in the order of
 //! [`crate::camera::Tile::places`]:
 //!
 //! | columns | what |
@@ -13,16 +13,16 @@
 use super::{CompensatedSum, L, TileSums};
 use crate::lane::Lane;
 
-/// Columns that every tile has.
+/// The number of columns that every tile has.
 const SUMS: usize = 6;
 
 impl TileSums {
-    /// Has the tile discarded samples, and so a column of them?
+    /// Tests whether the tile has discarded samples, and so a column of them.
     pub fn has_discarded(&self) -> bool {
         !self.discarded.is_empty()
     }
 
-    /// The number of words of this tile, with a column of discarded samples or without.
+    /// Returns the number of words of this tile, with or without a column of discarded samples.
     pub fn words(&self, discarded: bool) -> usize {
         let noise = if self.noise.is_some() { 2 } else { 0 };
         (SUMS + usize::from(discarded) + noise) * self.tile.pixels()
@@ -46,11 +46,11 @@ impl TileSums {
         }
     }
 
-    /// Sets the tile to `samples` samples and the words that [`TileSums::words_into`] gave. More discarded
-    /// samples than there are samples count as so many.
+    /// Sets the tile to `samples` samples and to words of [`TileSums::words_into`]. The number of discarded
+    /// samples is limited to the number of samples.
     ///
     /// # Panics
-    /// If there are not [`TileSums::words`]`(discarded)` of them.
+    /// If the number of words is not [`TileSums::words`]`(discarded)`.
     pub fn restore(&mut self, samples: u32, discarded: bool, words: &[u32]) {
         assert_eq!(words.len(), self.words(discarded));
         let pixels = self.tile.pixels();
@@ -83,7 +83,7 @@ impl TileSums {
 mod tests {
     use crate::film::Film;
 
-    /// Samples of all sizes, some of them not finite.
+    /// Adds samples of all sizes, some of them not finite.
     fn add_samples(film: &mut Film, samples: std::ops::Range<u32>) {
         for sample in samples {
             let value = |i: u32| match (sample + i) % 61 {

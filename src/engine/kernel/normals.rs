@@ -6,18 +6,18 @@
 //!
 //! One rule for all lobes ([`super::bsdf::LobeNormals`]):
 //!
-//! - Specular lobes scatter about `ns`, turned towards the ray where it faces away ([`facing`]). What they
+//! - Specular lobes scatter about `ns`, turned towards the ray if it faces away ([`facing`]). Light that they
 //!   send below the horizon leaves along the direction mirrored in the horizon's plane: mirrors and the
 //!   roughest lobes lose nothing, and pdfs count both directions. Glass refracts below the surface by the
 //!   same rule.
 //! - Diffuse lobes scatter about `ns` from every view and under every coat. Samples below the horizon are
 //!   absorbed, and light close above it is faded by [`shadow_terminator`].
-//! - The horizon of delta lobes is the plane of `ng`. Other lobes have that of the interpolated normal, and
-//!   their rays start where the smooth surface would be ([`bulge`]; Hanika, "Hacking the Shadow Terminator",
-//!   Ray Tracing Gems II ch. 4, 2021), so that coarse triangles show no edges where the light grazes them.
-//!   Such a ray may meet the body that it leaves, from outside.
+//! - The horizon of delta lobes is the plane of `ng`. Other lobes use that of the interpolated normal, and
+//!   their rays start on the suggested smooth surface ([`bulge`]; Hanika, "Hacking the Shadow Terminator",
+//!   Ray Tracing Gems II ch. 4, 2021), so that coarse triangles show no edges in grazing light. Such a ray
+//!   may hit the body that it leaves, from outside.
 //!
-//! `octray stability --only scattering-glossy` charts what others do: bent normals (Keller et al., "The Iray
+//! `octray stability --only scattering-glossy` charts other rules: bent normals (Keller et al., "The Iray
 //! Light Transport Simulation and Rendering System", 2017, §A.3) lose up to half of a rough lobe's light, and
 //! a factor on all lobes (Chiang, Li, Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019) makes
 //! glossy ones black. Microfacets (Schüßler et al., "Microfacet-based Normal Mapping for Robust Monte Carlo
@@ -26,17 +26,17 @@
 use crate::lane::Lane;
 use crate::math::Vec3;
 
-/// Squared length below which a blend of normals has no direction: opposite ones cancelled.
+/// The squared length below which a blend of normals has no direction, because opposite normals cancelled.
 const MIN_LENGTH2: f32 = 1e-4;
 
-/// The unit vector along `v`, and the lanes in which there is one.
+/// Returns the unit vector along `v`, and the lanes in which there is one.
 #[inline(always)]
 fn try_normalize<L: Lane>(v: Vec3<L>) -> (Vec3<L>, L::Mask) {
     let length2 = v.dot(v);
     (v * (L::one() / length2.sqrt()), L::splat(MIN_LENGTH2).lt(length2))
 }
 
-/// The interpolated normal: `blended`, the [`blend`] of a triangle's vertex normals, as a unit vector on the
+/// Returns the interpolated normal, the unit vector along `blended` (the [`blend`] of vertex normals) on the
 /// side of `ng`, and the lanes in which there is one: zero vectors mark flat triangles.
 #[inline(always)]
 pub fn interpolated<L: Lane>(blended: Vec3<L>, ng: Vec3<L>) -> (Vec3<L>, L::Mask) {
@@ -44,20 +44,20 @@ pub fn interpolated<L: Lane>(blended: Vec3<L>, ng: Vec3<L>) -> (Vec3<L>, L::Mask
     (ns.flip_sign(ns.dot(ng)), valid)
 }
 
-/// Vertex normals at the barycentrics (u, v), of any length.
+/// Blends vertex normals at the barycentrics (u, v); the result has any length.
 #[inline(always)]
 pub fn blend<L: Lane>([a, b, c]: [Vec3<L>; 3], (u, v): (L, L)) -> Vec3<L> {
     (b - a).mul_add(u, (c - a).mul_add(v, a))
 }
 
-/// What leads from a point of a triangle to the smooth surface that its vertex normals suggest: towards the
-/// planes of the vertices that lie above the point, each by the weight of its vertex. Zero on the concave
-/// side, and where it would lead below the triangle.
+/// Returns the vector from a point of a triangle to the smooth surface that its vertex normals suggest:
+/// towards the planes of the vertices that lie above the point, each by the weight of its vertex. It is zero
+/// on the concave side, and if it would point below the triangle.
 ///
-/// `edges`: a to b, and a to c. `ng`: the geometric normal on the side on which rays leave; `side`: its sign
-/// is that of `ng` against the vertex normals.
+/// The edges are a to b and a to c. `ng` is the geometric normal on the side on which rays leave; the sign of
+/// `side` is that of `ng` against the vertex normals.
 ///
-/// Domain: unit normals. No longer than the longest edge.
+/// Domain: unit normals. The result is no longer than the longest edge.
 /// Source: Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II ch. 4, 2021.
 #[inline(always)]
 pub fn bulge<L: Lane>(
@@ -78,9 +78,9 @@ pub fn bulge<L: Lane>(
     Vec3::select(bulge.dot(ng).lt(L::zero()), Vec3::zero(), bulge)
 }
 
-/// The normal that a normal map's `texel` encodes in the tangent frame of the unit normal `n`, and the lanes
-/// in which it encodes one. `tangent` points along growing u; `hand` is +1 where v grows along n × tangent,
-/// −1 where against it.
+/// Returns the normal that a normal map's `texel` encodes in the tangent frame of the unit normal `n`, and
+/// the lanes in which it encodes one. `tangent` points along growing u; `hand` is +1 if v grows along n ×
+/// tangent, −1 if against it.
 #[inline(always)]
 pub fn apply_normal_map<L: Lane>(
     texel: Vec3<L>,
@@ -96,9 +96,9 @@ pub fn apply_normal_map<L: Lane>(
     (normal, has_tangent & valid)
 }
 
-/// The tangent frame of a sphere with outward normal `n`: the unit vector along growing u, and the hand of
-/// [`apply_normal_map`]. The texture reads right from outside, or from inside where `inside`. At the poles,
-/// where u is undefined, the tangent is x.
+/// Returns the tangent frame of a sphere with outward normal `n`: the unit vector along growing u, and the
+/// hand of [`apply_normal_map`]. The texture reads right from outside, or from inside in lanes of `inside`.
+/// At the poles, where u is undefined, the tangent is x.
 #[inline(always)]
 pub fn sphere_tangent<L: Lane>(n: Vec3<L>, inside: L::Mask) -> (Vec3<L>, L) {
     let radius2 = n.x.mul_add(n.x, n.z * n.z);
@@ -110,9 +110,9 @@ pub fn sphere_tangent<L: Lane>(n: Vec3<L>, inside: L::Mask) -> (Vec3<L>, L) {
     (east * hand, hand)
 }
 
-/// The shading normal `ns`, turned towards the ray of direction `d` where it faces it by less than half as
-/// much as `ng` does, its mirror directions then being about at the horizon. One that faces away faces the
-/// ray by that much, or by as much as it faced away: nothing jumps where a bumpy surface turns from the eye.
+/// Returns `ns`, turned to face the ray of direction `d` at least half as much as `ng` does, with which
+/// mirror directions are about at the horizon. If `ns` faces away by more than that, it turns to face the ray
+/// by as much: nothing jumps where a bumpy surface turns from the eye.
 #[inline(always)]
 pub fn facing<L: Lane>(d: Vec3<L>, ns: Vec3<L>, ng: Vec3<L>) -> Vec3<L> {
     let (least, away) = (L::splat(-0.5) * d.dot(ng), d.dot(ns));
@@ -120,13 +120,13 @@ pub fn facing<L: Lane>(d: Vec3<L>, ns: Vec3<L>, ng: Vec3<L>) -> Vec3<L> {
     Vec3::select((-away).lt(least), turned, ns)
 }
 
-/// The factor by which diffuse lobes about `ns` see less of the light along `w` close above the horizon, the
-/// plane of `ng`, and more further up. It is 0 at the horizon, where a lobe of the light's cosine would end
-/// at an edge, up to 1.25 where `ns` adds four times the height above the horizon to that cosine, and 1 where
-/// it adds no more than twice the height.
+/// Returns a factor for the light along `w` that diffuse lobes about `ns` see: less close above the horizon,
+/// the plane of `ng`, and more further up. It is 0 at the horizon, where a lobe of the light's cosine would
+/// have an edge; up to 1.25 where `ns` adds four times the height above the horizon to that cosine; and 1
+/// where it adds no more than twice the height.
 ///
-/// What it takes from uniform light it gives back: of (1 + cos θ) / 2, the share of a lobe tilted by θ that
-/// is above the horizon, it loses 0.4 % at most, up to θ = 85°, and adds 0.2 %.
+/// Uniform light is preserved: a lobe tilted by θ has the share (1 + cos θ) / 2 above the horizon, of which
+/// the factor takes at most 0.4 %, up to θ = 85°, or adds 0.2 %.
 #[inline(always)]
 pub fn shadow_terminator<L: Lane>(w: Vec3<L>, ns: Vec3<L>, ng: Vec3<L>) -> L {
     let height = w.dot(ng);

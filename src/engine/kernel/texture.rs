@@ -1,5 +1,5 @@
-//! Texture lookups: texture coordinates to texel indices and filter weights, and texel decoding. The caller
-//! reads the texels.
+//! Converts texture coordinates to texel indices and filter weights, and decodes texels. The caller reads the
+//! texels.
 //!
 //! Shapes: one lookup per lane; each lane may have a texture of its own.
 
@@ -7,31 +7,31 @@ use crate::lane::functions::polynomial;
 use crate::lane::{Bits, Lane};
 use crate::math::{BELOW_ONE, Vec3};
 
-/// Where textures are read.
+/// The points at which textures are read.
 #[derive(Clone, Copy, Debug)]
 pub struct TexturePoint<L: Lane> {
-    /// Texture coordinate to the right; it repeats.
+    /// The texture coordinate to the right; it repeats.
     pub u: L,
-    /// Texture coordinate from the top.
+    /// The texture coordinate from the top.
     pub v: L,
     /// The lanes in which v is clamped to the edge instead of repeated: those on spheres and the sky.
     pub clamp_v: L::Mask,
-    /// The area that is seen, as in [`super::ray_cone::footprint`]; 0 unless paths carry ray cones.
+    /// The visible area, as in [`super::ray_cone::footprint`]; 0 unless paths carry ray cones.
     pub footprint: L,
 }
 
-/// Size and position of each lane's texture among the texels.
+/// The size and position of each lane's texture among the texels.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<L: Lane> {
-    /// Texels in a row and in a column, as floats: ≤ 2¹⁴ each.
+    /// The number of texels in a row, as floats ≤ 2¹⁴.
     pub width: L,
-    /// Rows of texels.
+    /// The number of rows of texels, as floats ≤ 2¹⁴.
     pub height: L,
-    /// Index of the first texel.
+    /// The index of the first texel.
     pub first: L::Bits,
 }
 
-/// x − ⌊x⌋, below 1 even where rounding would give 1 (tiny negative x).
+/// Returns x − ⌊x⌋, below 1 even if rounding would give 1 (tiny negative x).
 #[inline(always)]
 fn fraction<L: Lane>(x: L) -> L {
     (x - x.floor()).min(L::splat(BELOW_ONE))
@@ -44,8 +44,8 @@ impl<L: Lane> Grid<L> {
         self.first.wrapping_add(row_start).wrapping_add(column.truncate_to_int())
     }
 
-    /// The index of the texel that contains (u, v), v from the top. u repeats; v repeats, or is clamped to
-    /// the edge where `clamp_v`.
+    /// Returns the index of the texel that contains (u, v), v from the top. u repeats; v repeats, or is
+    /// clamped to the edge in lanes of `clamp_v`.
     ///
     /// Domain: |u|, |v| < 2²³; indices of any other value, NaN too, stay inside the texture.
     #[inline(always)]
@@ -57,10 +57,10 @@ impl<L: Lane> Grid<L> {
         )
     }
 
-    /// The indices of the four texels around (u, v) in the order ↖ ↗ ↙ ↘, and the weights of the right column
-    /// and of the lower row.
+    /// Returns the indices of the four texels around (u, v) in the order ↖ ↗ ↙ ↘, and the weights of the
+    /// right column and of the lower row.
     ///
-    /// Domain: as [`Grid::nearest`].
+    /// Domain: that of [`Grid::nearest`].
     #[inline(always)]
     pub fn bilinear(&self, u: L, v: L, clamp_v: L::Mask) -> ([L::Bits; 4], L, L) {
         let half = L::splat(0.5);
@@ -105,7 +105,7 @@ pub fn unorm_to_unit<L: Lane>(texel: L::Bits) -> Vec3<L> {
 /// Source: IEC 61966-2-1; coefficients by Lawson's algorithm, minimax in relative error over 11 to 255.
 #[inline(always)]
 pub fn srgb_to_linear<L: Lane>(texel: L::Bits) -> Vec3<L> {
-    // Of the byte itself, not of its 255th part. Even and odd powers are summed apart: shorter chains.
+    // Takes the byte itself, not its 255th part. Even and odd powers are summed apart: shorter chains.
     const EVEN: [f32; 5] = [-1.101_632_4e-20, -5.465_427e-15, -2.713_833_6e-10, 7.317_687e-6, 8.412_828e-4];
     const ODD: [f32; 4] = [1.185_722_9e-17, 1.455_644_4e-12, 5.631_158e-8, 1.407_861_9e-4];
     let linear = |byte: L::Bits| {

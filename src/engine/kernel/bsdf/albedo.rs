@@ -1,5 +1,5 @@
-//! The share of light that GGX with single scattering reflects, its directional albedo, and the factor that
-//! gives back what it loses between facets.
+//! Computes the directional albedo of GGX with single scattering, the share of light that it reflects, and
+//! the factor that compensates for the loss between facets.
 //!
 //! With μ = cos o, F₀ the reflectance at normal incidence and F = F₀ + (1 − F₀) (1 − h · o)⁵ of Schlick:
 //!
@@ -10,14 +10,14 @@
 //! ∫ f cos i di = (F₀ E + (1 − F₀) E₅) / (1 − F₀ (1 − E))
 //! ```
 //!
-//! the sum of what leaves after one bounce, two, three and so on, so that white metal returns all light, and
-//! a coloured one gets its colour once for each bounce. The factor depends on o alone: the lobe keeps its
-//! shape, and the sampled directions their pdfs, but f is no longer reciprocal. A reciprocal lobe that makes
-//! up for the loss (Kulla, Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH 2017) has
-//! tails that sampling visible normals does not reach: it would be a third lobe to sample.
+//! the sum of the light that leaves after one bounce, two, three and so on, so that white metal returns all
+//! light, and a coloured one gets its colour once for each bounce. The factor depends only on o: the lobe
+//! keeps its shape, and the sampled directions their pdfs, but f is no longer reciprocal. A reciprocal lobe
+//! that compensates for the loss (Kulla, Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH
+//! 2017) has tails that sampling visible normals does not reach: it would be a third lobe to sample.
 //!
 //! E and E₅ = E (1 − h)⁵ are rational functions, fitted to their integrals. E is 1 at grazing incidence and
-//! on a mirror; for small α it depends on c = μ / s and σ² = 1 − c² alone, s² = μ² + α² (1 − μ²).
+//! on a mirror; for small α it depends only on c = μ / s and σ² = 1 − c², with s² = μ² + α² (1 − μ²).
 //!
 //! Source: Turquin, "Practical multiple scattering compensation for microfacet models", 2019, with the whole
 //! series where he has its first two terms, 1 + F₀ (1 − E) / E. The fits are our own.
@@ -29,14 +29,14 @@ use crate::math::Vec3;
 /// The albedo of GGX seen from a direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Albedo<L: Lane> {
-    /// E.
+    /// E, the albedo of white GGX.
     pub white: L,
-    /// The cosine h · o of a facet at which a share as large as the mean is (1 − h · o)⁵: E₅ = E (1 − h)⁵.
+    /// The cosine h · o of a facet at which (1 − h · o)⁵ equals its mean: E₅ = E (1 − h)⁵.
     pub facet_cosine: L,
 }
 
 impl<L: Lane> Albedo<L> {
-    /// From the cosine of the direction.
+    /// Computes the albedo from the cosine of the direction.
     ///
     /// Domain: both in [0, 1], the cosine above 0.
     /// Error: 0.5 % of E, 0.008 in E₅.
@@ -62,22 +62,22 @@ impl<L: Lane> Albedo<L> {
         let below = mu.mul_add(below, s.mul_add(s.mul_add(n(248.7), n(84.49)), one));
         Self { white, facet_cosine: a.mul_add(n(1.198), above) / below }
     }
-    /// E₅.
+    /// Returns E₅.
     #[inline(always)]
     pub fn grazing(&self) -> L {
         self.white * schlick(self.facet_cosine)
     }
-    /// 1 / (1 − F₀ (1 − E)).
+    /// Returns 1 / (1 − F₀ (1 − E)).
     #[inline(always)]
     pub(super) fn series(&self, f0: L) -> L {
         L::one() / f0.neg_mul_add(L::one() - self.white, L::one())
     }
-    /// The same of each channel.
+    /// Returns 1 / (1 − F₀ (1 − E)) of each channel.
     #[inline(always)]
     pub fn compensation(&self, f0: Vec3<L>) -> Vec3<L> {
         Vec3::new(self.series(f0.x), self.series(f0.y), self.series(f0.z))
     }
-    /// What is reflected in all with Schlick's F.
+    /// Returns the total reflected share with Schlick's F.
     #[inline(always)]
     pub fn reflected(&self, f0: L) -> L {
         let grazing = self.grazing();
@@ -85,13 +85,13 @@ impl<L: Lane> Albedo<L> {
     }
 }
 
-/// The reflectance of rough metal, the same at every angle, with what compensates for single scattering.
+/// Returns rough metal's reflectance, equal at all angles, with compensation for single scattering.
 #[inline(always)]
 pub fn compensated<L: Lane>(reflectance: Vec3<L>, d: Vec3<L>, n: Vec3<L>, alpha: L) -> Vec3<L> {
     reflectance * Albedo::of(ggx::cos_o(d, n), alpha).compensation(reflectance)
 }
 
-/// (1 − cos)⁵.
+/// Returns (1 − cos)⁵.
 #[inline(always)]
 pub(super) fn schlick<L: Lane>(cos: L) -> L {
     let x = (L::one() - cos).max(L::zero());

@@ -7,8 +7,8 @@ use crate::math::Vec3;
 use crate::sampling::warp;
 use std::f32::consts::FRAC_1_PI;
 
-/// Samples with pdf cos θ / π and weight 1, and never below the surface. At a shading normal it may absorb,
-/// and the weight is that of [`crate::kernel::normals::shadow_terminator`].
+/// Samples with pdf cos θ / π and weight 1, and never below the surface. With a shading normal the lobe may
+/// absorb, and the weight is that of [`crate::kernel::normals::shadow_terminator`].
 #[inline(always)]
 pub fn sample<L: Lane>(normals: &LobeNormals<L>, u: L, v: L) -> BsdfSample<L> {
     let wi = warp::sample_cosine_hemisphere(normals.diffuse, u, v);
@@ -20,7 +20,7 @@ pub fn sample<L: Lane>(normals: &LobeNormals<L>, u: L, v: L) -> BsdfSample<L> {
     sample
 }
 
-/// Value and pdf are both cos θ / π, zero below the surface; the value at a shading normal is faded.
+/// Evaluates value and pdf, both cos θ / π, zero below the surface; shading normals fade the value.
 #[inline(always)]
 pub fn evaluate<L: Lane>(normals: &LobeNormals<L>, wi: Vec3<L>) -> LobeEval<L> {
     let pdf = pdf(normals.diffuse, wi);

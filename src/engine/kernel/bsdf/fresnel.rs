@@ -8,16 +8,16 @@ use std::ops::{Div, Mul, Neg, Sub};
 /// Reflection and refraction at an interface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fresnel<L: Lane> {
-    /// The reflected share of unpolarised light, unless `total`.
+    /// The reflected share of unpolarised light; unspecified if `total`.
     pub reflectance: L,
-    /// Total internal reflection.
+    /// The lanes with total internal reflection.
     pub total: L::Mask,
-    /// Cosine of the refracted direction; 0 where there is none.
+    /// The cosine of the refracted direction; 0 if there is none.
     pub cos_t: L,
 }
 
-/// The Fresnel equations at the cosine `cos_i`; `eta` is the index of refraction on the incident side over
-/// that on the other.
+/// Solves the Fresnel equations at the cosine `cos_i`; `eta` is the index of refraction on the incident side
+/// over that on the other.
 ///
 /// Domain: `cos_i` in [0, 1].
 #[inline(always)]
@@ -29,13 +29,13 @@ pub(super) fn dielectric<L: Lane>(eta: L, cos_i: L) -> Fresnel<L> {
     Fresnel { reflectance, total, cos_t }
 }
 
-/// The reflected share of unpolarised light in f64, from outside an interface of index 1 / `eta` ≥ 1.
+/// Returns the reflected share of unpolarised light in f64, outside an interface of index 1 / `eta` ≥ 1.
 pub(super) fn reflectance_f64(eta: f64, cos_i: f64) -> f64 {
     let cos_t = (1.0 - eta * eta * (1.0 - cos_i * cos_i)).sqrt();
     0.5 * reflectances(eta, cos_i, cos_t, |a, b, c| a * b + c)
 }
 
-/// The sum of the reflectances of both polarisations.
+/// Returns the sum of the reflectances of both polarisations.
 #[inline(always)]
 fn reflectances<T>(eta: T, cos_i: T, cos_t: T, mul_add: impl Fn(T, T, T) -> T) -> T
 where

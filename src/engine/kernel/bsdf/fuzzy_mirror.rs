@@ -1,6 +1,6 @@
-//! The fuzzy mirror, the lobe of the thesis: wi = normalize(reflected + roughness · s), s uniform on the unit
-//! sphere; absorbed where the sum points below the surface or is zero. Samples have weight 1, so f · cos θ
-//! equals the pdf.
+//! The fuzzy mirror, the lobe of the thesis: wi = normalize(reflected + roughness · s), with s uniform on the
+//! unit sphere; it absorbs if the sum points below the surface or is zero. Samples have weight 1, so f · cos
+//! θ equals the pdf.
 //!
 //! # The pdf
 //! The sums are uniformly distributed on the surface of a sphere of radius ρ (the roughness) around the tip
@@ -12,7 +12,7 @@
 //! ```
 //!
 //! and an area dA there, whose normal (t ω − R) / ρ has the cosine (t − c) / ρ = ± q / ρ with the ray, covers
-//! the solid angle dA (q / ρ) / t². So each crossing with t > 0 adds t² / 4πρq:
+//! the solid angle dA (q / ρ) / t². Each crossing with t > 0 therefore adds t² / 4πρq:
 //!
 //! - ρ < 1: the origin is outside. Both crossings count, within the cone sin γ < ρ, c > 0; the pdf is zero
 //!   outside it.
@@ -21,9 +21,9 @@
 //!
 //! # The rim
 //! For ρ < 1 the pdf grows as 1 / q towards the rim of the cone: integrable but unbounded, and rounding puts
-//! some samples outside. So x = q² / ρ² is clamped to at least η = `RIM`, and the cone is widened to x > −η.
-//! To first order the ring adds what the clamp removes, c √η / 2 each, so that the pdf still integrates to 1;
-//! the rim moves by at most η ρ / 2c, 0.002°.
+//! some samples outside. Therefore x = q² / ρ² is clamped to at least η = `RIM`, and the cone is widened to x
+//! > −η. To first order the ring adds what the clamp removes, c √η / 2 each, so that the pdf still integrates
+//! to 1; the rim moves by at most η ρ / 2c, 0.002°.
 //! Error: x is off by a few 2⁻²⁴ / ρ, less than η down to [`NARROW`].
 
 use super::sample::{BsdfSample, LobeEval};
@@ -34,7 +34,7 @@ use std::f32::consts::PI;
 
 /// Below this roughness (a cone of 0.9°) the lobe counts as a delta lobe.
 pub const NARROW: f32 = 1.0 / 64.0;
-/// η of "the rim" in the head of this file.
+/// The η of the section "The rim" at the top of this file.
 const RIM: f32 = 1.0 / 16_384.0;
 
 /// Samples a direction around the reflected one.
@@ -42,17 +42,17 @@ const RIM: f32 = 1.0 / 16_384.0;
 pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, u: L, v: L) -> BsdfSample<L> {
     let reflected = d.reflect(n);
     let sum = warp::sample_uniform_sphere(u, v).mul_add(roughness, reflected);
-    // Absorbs the zero vector and vectors so short that their direction is rounding noise: 2⁻²⁰ is far above
-    // it.
+    // Absorbs the zero vector and vectors so short that their direction is rounding noise, which is far below
+    // 2⁻²⁰.
     let alive = L::splat(1e-12).lt(sum.dot(sum)) & L::zero().lt(sum.dot(n));
     let wi = Vec3::select(alive, sum, n).normalize();
-    // A sample has a positive pdf, even where rounding makes it zero.
+    // A sample has a positive pdf, even if rounding makes it zero.
     let pdf = pdf(reflected, roughness, wi).max(L::splat(f32::MIN_POSITIVE));
     let pdf = L::select(roughness.lt(L::splat(NARROW)), L::splat(f32::INFINITY), pdf);
     BsdfSample { wi, weight: L::one(), pdf, alive }
 }
 
-/// Value and pdf, which are equal; zero below the surface and for narrow lobes.
+/// Evaluates value and pdf, which are equal; zero below the surface and for narrow lobes.
 #[inline(always)]
 pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, wi: Vec3<L>) -> LobeEval<L> {
     let pdf = pdf(d.reflect(n), roughness, wi);
@@ -60,7 +60,7 @@ pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, roughness: L, wi: Vec3<L>) -> L
     LobeEval::within(valid, pdf, pdf)
 }
 
-/// The pdf derived in the head of this file; finite everywhere.
+/// Returns the pdf derived at the top of this file; finite everywhere.
 ///
 /// Domain: roughness from [`NARROW`] to 1e18.
 #[inline(always)]
@@ -73,7 +73,7 @@ fn pdf<L: Lane>(reflected: Vec3<L>, roughness: L, wi: Vec3<L>) -> L {
     let x = L::one() - sine.dot(sine);
     let q = roughness * x.max(L::splat(RIM)).sqrt();
     let outside = roughness.lt(L::one());
-    // Where ρ ≥ 1, q ≥ |c|: for c < 0 the sum c + q cancels; the product of the roots, 1 − ρ², does not.
+    // If ρ ≥ 1, q ≥ |c|: for c < 0 the sum c + q cancels; the product of the roots, 1 − ρ², does not.
     let product = roughness.mul_add(roughness, -L::one());
     let behind = product / (q - c);
     let far = L::select(!outside & c.lt(L::zero()), behind, c + q);

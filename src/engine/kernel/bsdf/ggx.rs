@@ -1,5 +1,5 @@
-//! GGX reflection: visible-normal sampling, height-correlated masking and shadowing, single scattering. What
-//! is lost between facets, [`super::albedo`] gives back.
+//! GGX reflection: visible-normal sampling, height-correlated masking and shadowing, single scattering.
+//! [`super::albedo`] compensates for the light lost between facets.
 //!
 //! With o = wo = −d, i = wi, h = o + i, h∥ and h⊥ its parts along and across n, and all cosines against n:
 //!
@@ -27,7 +27,7 @@ use std::f32::consts::FRAC_1_PI;
 /// D varies over a width of α.
 pub const NARROW: f32 = 1.0 / 8192.0;
 
-/// The cosine of wo. Rounding may put a grazing ray on or below the horizon; the lobe needs it above.
+/// Returns the cosine of wo, made positive: rounding may put a grazing ray on or below the horizon.
 #[inline(always)]
 pub(super) fn cos_o<L: Lane>(d: Vec3<L>, n: Vec3<L>) -> L {
     (-d.dot(n)).max(L::splat(1e-6))
@@ -45,7 +45,7 @@ pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> BsdfSamp
     BsdfSample { wi, weight, pdf, alive }
 }
 
-/// The direction of [`sample`] alone, and its cosine; not above 0 where it is absorbed.
+/// Returns the direction of [`sample`] and its cosine; a cosine ≤ 0 means that it is absorbed.
 #[inline(always)]
 pub(super) fn sample_direction<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> (Vec3<L>, L) {
     let (tangent, bitangent) = warp::orthonormal_basis(n);
@@ -62,7 +62,7 @@ pub(super) fn sample_direction<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, 
     (tangent.mul_add(local.x, bitangent.mul_add(local.y, n * local.z)), local.z)
 }
 
-/// Zero below the surface and for narrow lobes.
+/// Evaluates the lobe; zero below the surface and for narrow lobes.
 #[inline(always)]
 pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, wi: Vec3<L>) -> LobeEval<L> {
     let cos = wi.dot(n);
@@ -71,27 +71,27 @@ pub fn evaluate<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, wi: Vec3<L>) -> LobeE
     LobeEval::within(L::zero().lt(cos) & !is_narrow(alpha), value, pdf)
 }
 
-/// Lanes whose lobe is too narrow to evaluate.
+/// Returns the lanes whose lobe is too narrow to evaluate.
 #[inline(always)]
 pub fn is_narrow<L: Lane>(alpha: L) -> L::Mask {
     alpha.lt(L::splat(NARROW))
 }
 
-/// s of the head of this file.
+/// Returns s of the formulas at the top of this file.
 #[inline(always)]
 pub(super) fn stretched_cosine<L: Lane>(alpha: L, cos: L) -> L {
     let sin2 = cos.neg_mul_add(cos, L::one()).max(L::zero());
     cos.mul_add(cos, alpha * alpha * sin2).sqrt()
 }
 
-/// G₂/G₁ from the cosines of wo and wi, both above 0.
+/// Returns G₂/G₁ from the cosines of wo and wi, both above 0.
 #[inline(always)]
 pub(super) fn shadowing<L: Lane>(alpha: L, cos_o: L, cos_i: L) -> L {
     let (s_o, s_i) = (stretched_cosine(alpha, cos_o), stretched_cosine(alpha, cos_i));
     cos_i * (cos_o + s_o) / cos_i.mul_add(s_o, cos_o * s_i)
 }
 
-/// The pdf of a direction above the surface.
+/// Returns the pdf of a direction above the surface.
 ///
 /// D needs the tangent of h: h⊥ comes from the cross product, because 1 − cos² cancels.
 ///
@@ -100,7 +100,7 @@ pub(super) fn shadowing<L: Lane>(alpha: L, cos_o: L, cos_i: L) -> L {
 fn pdf<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, wi: Vec3<L>) -> L {
     let across = (wi - d).cross(n);
     let cos = cos_o(d, n);
-    // Above 0: a grazing ray that continues straight ahead has no half vector.
+    // Kept above 0: a grazing ray that continues straight ahead has no half vector.
     let along = cos + wi.dot(n).max(L::zero());
     let (along2, across2) = (along * along, across.dot(across));
     let ratio = alpha * (along2 + across2) / (alpha * alpha).mul_add(along2, across2);

@@ -1,6 +1,6 @@
 //! A smooth dielectric: two delta lobes.
 //!
-//! Source: Pharr et al., PBR 4ed §9.5; of thin glass §9.5.1, `ThinDielectricBxDF`.
+//! Source: Pharr et al., PBR 4ed §9.5; for thin glass §9.5.1, `ThinDielectricBxDF`.
 
 use super::fresnel::{self, Fresnel};
 use super::lobe_normals::{Horizon, LobeNormals};
@@ -13,15 +13,15 @@ use crate::math::Vec3;
 /// The weight of refracted radiance is η² (radiance scales with the square of the index); it cancels when the
 /// path leaves the dielectric.
 ///
-/// Thin glass is two parallel surfaces at no distance. Light goes back and forth between them, so it reflects
-/// F′ = F + (1 − F)² F (1 + F² + F⁴ + …) = 2 F / (1 + F), and transmits the rest straight on.
+/// Thin glass is two parallel surfaces without a distance. Light goes back and forth between them, so it
+/// reflects F′ = F + (1 − F)² F (1 + F² + F⁴ + …) = 2 F / (1 + F), and transmits the rest straight on.
 ///
-/// Light that a coarse mesh lets in would go round in it for ever by total reflection at shading normals. So
-/// the geometric normal takes their place where it does not reflect in total, and elsewhere for one `uc` in
-/// eight. What leaves to the wrong side of the geometric normal is mirrored to the right one.
+/// Light that a coarse mesh lets in would be reflected in total at shading normals for ever. The geometric
+/// normal replaces them unless it reflects in total itself; then it replaces them for one `uc` in eight.
+/// Light that leaves to the wrong side of the geometric normal is mirrored to the right one.
 ///
-/// Domain: |`ior`| > 0 is the index inside, negative of thin glass; `outside` says that d arrives from the
-/// vacuum side.
+/// Domain: |`ior`| > 0 is the index inside, negated for thin glass; `outside` holds the lanes whose d arrives
+/// from the vacuum side.
 #[inline(always)]
 pub fn sample<L: Lane>(
     d: Vec3<L>,
@@ -41,7 +41,7 @@ pub fn sample<L: Lane>(
     }
     let cos_i = cos_i(n);
     let Fresnel { reflectance, total, cos_t } = fresnel::dielectric(eta, cos_i);
-    // uc < 2 F / (1 + F), without a division.
+    // Tests uc < 2 F / (1 + F) without a division.
     let half = L::splat(0.5);
     let uc = L::select(thin, uc * half.mul_add(reflectance, half), uc);
     let reflects = total | uc.lt(reflectance);
@@ -55,7 +55,7 @@ pub fn sample<L: Lane>(
     BsdfSample { wi, weight, pdf: L::splat(f32::INFINITY), alive: L::Mask::splat(true) }
 }
 
-/// Whether the index of refraction is that of thin glass, of which `color` tints transmission alone.
+/// Tests whether the index of refraction is that of thin glass, whose `color` tints only transmission.
 #[inline(always)]
 pub fn is_thin<L: Lane>(ior: L) -> L::Mask {
     ior.lt(L::zero())

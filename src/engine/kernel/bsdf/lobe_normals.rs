@@ -1,4 +1,4 @@
-//! The normals about which lobes scatter, and one rule for what a shading normal sends below the surface.
+//! The normals about which lobes scatter, and the rule for light that shading normals send below the surface.
 
 use super::sample::{BsdfEval, BsdfSample};
 use crate::kernel::normals::{facing, shadow_terminator};
@@ -12,7 +12,7 @@ pub struct LobeNormals<L: Lane> {
     pub diffuse: Vec3<L>,
     /// The normal about which all other lobes scatter; it faces the ray.
     pub specular: Vec3<L>,
-    /// `None` where no lane has a shading normal.
+    /// The horizon; `None` if no lane has a shading normal.
     pub horizon: Option<Horizon<L>>,
 }
 
@@ -21,14 +21,14 @@ pub struct LobeNormals<L: Lane> {
 pub struct Horizon<L: Lane> {
     /// The lanes with a shading normal.
     pub bent: L::Mask,
-    /// The normal of the plane: the interpolated one, or the geometric one.
+    /// The normal of the plane: the interpolated normal or the geometric one.
     pub normal: Vec3<L>,
-    /// Geometric normal, which takes its place for delta lobes.
+    /// The geometric normal, which replaces it for delta lobes.
     pub ng: Vec3<L>,
 }
 
 impl<L: Lane> Horizon<L> {
-    /// The factor of diffuse light along `wi`: [`shadow_terminator`] in lanes with a shading normal.
+    /// Returns the factor of diffuse light along `wi`: [`shadow_terminator`] in lanes with a shading normal.
     #[inline(always)]
     pub(super) fn fade(&self, wi: Vec3<L>, ns: Vec3<L>) -> L {
         L::select(self.bent, shadow_terminator(wi, ns, self.normal), L::one())
@@ -36,20 +36,20 @@ impl<L: Lane> Horizon<L> {
 }
 
 impl<L: Lane> LobeNormals<L> {
-    /// One normal for everything.
+    /// Returns one normal for all lobes.
     #[inline(always)]
     pub fn flat(n: Vec3<L>) -> Self {
         Self { diffuse: n, specular: n, horizon: None }
     }
-    /// The normals of rays along `d` at a surface with the shading normal `ns`.
+    /// Returns the normals for rays along `d` at a surface with the shading normal `ns`.
     #[inline(always)]
     pub fn bent(d: Vec3<L>, ns: Vec3<L>, horizon: Horizon<L>) -> Self {
         let ns = Vec3::select(horizon.bent, ns, horizon.ng);
         Self { diffuse: ns, specular: facing(d, ns, horizon.ng), horizon: Some(horizon) }
     }
 
-    /// The direction in which light goes that a specular lobe reflects along `wi`: mirrored in the horizon
-    /// where it would go below.
+    /// Returns the direction of light that a specular lobe reflects along `wi`: mirrored in the horizon if it
+    /// would go below.
     #[inline(always)]
     pub fn raise(&self, wi: Vec3<L>, is_delta: L::Mask) -> Vec3<L> {
         let Some(horizon) = &self.horizon else { return wi };
@@ -57,8 +57,8 @@ impl<L: Lane> LobeNormals<L> {
         Vec3::select(horizon.bent & wi.dot(n).lt(L::zero()), wi.reflect(n), wi)
     }
 
-    /// The sample of a specular lobe, raised. `pdf` is the pdf of the lobe: another direction is raised to
-    /// the same one.
+    /// Raises the sample of a specular lobe. `pdf` returns the lobe's pdf of a direction: two directions are
+    /// raised to the same one.
     #[inline(always)]
     pub fn raise_sample(&self, sample: BsdfSample<L>, pdf: impl Fn(Vec3<L>) -> L) -> BsdfSample<L> {
         let Some(horizon) = &self.horizon else { return sample };
@@ -67,9 +67,9 @@ impl<L: Lane> LobeNormals<L> {
         BsdfSample { wi, pdf: sample.pdf + other, ..sample }
     }
 
-    /// The value and pdf of the specular `lobe` for light along `wi`: the sum over the directions that are
-    /// raised to it, zero below the horizon. The lobe gets a direction and what to add to its value: `base`,
-    /// once.
+    /// Returns the value and pdf of the specular `lobe` for light along `wi`: the sum over the directions
+    /// that are raised to it, zero below the horizon. The lobe gets a direction and a term to add to its
+    /// value: `base`, once.
     #[inline(always)]
     pub fn fold(
         &self,

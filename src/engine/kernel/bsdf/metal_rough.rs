@@ -7,12 +7,12 @@
 //! F(x) = (x + (1 − x) (1 − h · o)⁵) / (1 − x (1 − E))
 //! ```
 //!
-//! E is the albedo of white GGX, and A what a dielectric's specular part reflects in all, both seen from o:
-//! [`super::albedo`]. White metal and white dielectrics return all light, within the fits' errors.
+//! E is the albedo of white GGX, and A the total that a dielectric's specular part reflects, both seen from
+//! o: [`super::albedo`]. White metal and white dielectrics return all light, within the fits' errors.
 //!
-//! The specular part is the standard's, without its loss. Its base, a (1 − F(h · o)) / π, returns with a
-//! smooth coat up to 1.6 times the light that arrives at a grazing angle; the one here has what the specular
-//! part leaves.
+//! The specular part is the standard's, without its loss. The standard's base, a (1 − F(h · o)) / π, returns
+//! with a smooth coat up to 1.6 times the light that arrives at a grazing angle; the base used here has only
+//! the light that the specular part leaves.
 //!
 //! Source: glTF 2.0 specification, appendix B; Schlick, "An Inexpensive BRDF Model for Physically-based
 //! Rendering", Computer Graphics Forum 13(3), 1994; the base, as in Cycles: Kulla, Conty, "Revisiting
@@ -28,26 +28,26 @@ use crate::math::Vec3;
 /// The parameters of metal-rough.
 #[derive(Clone, Copy, Debug)]
 pub struct MetalRough<L: Lane> {
-    /// a: the metal's reflectance at normal incidence, the dielectric's diffuse reflectance.
+    /// The colour a: the metal's reflectance at normal incidence, the dielectric's diffuse reflectance.
     pub color: Vec3<L>,
-    /// In [0, 1]; below [`ggx::NARROW`] the specular part is a delta lobe.
+    /// The roughness α, in [0, 1]; below [`ggx::NARROW`] the specular part is a delta lobe.
     pub alpha: L,
-    /// F₀.
+    /// The reflectance F₀.
     pub f0: L,
-    /// m, in [0, 1].
+    /// The metallic share m, in [0, 1].
     pub metallic: L,
 }
 
-/// The reflectance of a dielectric of this index at normal incidence.
+/// Returns the reflectance of a dielectric of this index at normal incidence.
 pub fn normal_reflectance(ior: f32) -> f32 {
     let ior = f64::from(ior);
     (((ior - 1.0) / (ior + 1.0)).powi(2)) as f32
 }
 
-/// What depends on the direction from which metal-rough is seen, and not on that of the light.
+/// The values that depend on the direction of view and not on that of the light.
 #[derive(Clone, Copy)]
 struct View<L: Lane> {
-    /// (1 − m) F(F₀) + m F(a) at h = o, and where h · o = 0.
+    /// (1 − m) F(F₀) + m F(a) for h = o, and for h · o = 0.
     normal: Vec3<L>,
     grazing: Vec3<L>,
     /// (1 − m) (1 − A).
@@ -58,7 +58,7 @@ struct View<L: Lane> {
 }
 
 impl<L: Lane> View<L> {
-    /// (1 − m) F(F₀) + m F(a) of the facet that reflects d into `wi`: h · o = |h| / 2.
+    /// Returns (1 − m) F(F₀) + m F(a) of the facet that reflects d into `wi`: h · o = |h| / 2.
     #[inline(always)]
     fn specular(&self, d: Vec3<L>, wi: Vec3<L>) -> Vec3<L> {
         let half = wi - d;
@@ -76,7 +76,7 @@ impl<L: Lane> MetalRough<L> {
         let base = dielectric * (L::one() - albedo.reflected(self.f0)).max(L::zero());
         let brightest = |v: Vec3<L>| v.x.max(v.y).max(v.z);
         let (specular, diffuse) = (albedo.reflected(brightest(uncompensated)), base * brightest(self.color));
-        // Where both are zero, the result is black.
+        // If both are zero, the result is black.
         let specular_probability = specular / (specular + diffuse).max(L::splat(f32::MIN_POSITIVE));
         let of_dielectric = Vec3::repeat(albedo.series(self.f0) * dielectric);
         let of_metal = albedo.compensation(self.color) * self.metallic;
@@ -84,7 +84,7 @@ impl<L: Lane> MetalRough<L> {
         View { normal, grazing: of_dielectric + of_metal, base, specular_probability }
     }
 
-    /// Samples the specular part or the base, as `uc` says. The second result is the weight with colour.
+    /// Samples the specular part or the base, by `uc`. The second result is the weight with colour.
     #[inline(always)]
     pub fn sample(
         &self,
@@ -109,12 +109,12 @@ impl<L: Lane> MetalRough<L> {
             weight = Vec3::select(delta, reflected, weight);
             pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
         }
-        // Where the pdf is zero, rounding moved the sample out of the lobe, or the base absorbs it.
+        // If the pdf is zero, rounding moved the sample out of the lobe, or the base absorbs it.
         let alive = (!reflects | L::zero().lt(cos)) & L::zero().lt(pdf);
         (BsdfSample { wi, weight: L::one(), pdf, alive }, weight)
     }
 
-    /// Both parts together; the base alone where the specular part is a delta lobe. Zero below the surface.
+    /// Evaluates both parts; only the base if the specular part is a delta lobe. Zero below the surface.
     #[inline(always)]
     pub fn evaluate(&self, d: Vec3<L>, normals: &LobeNormals<L>, wi: Vec3<L>) -> BsdfEval<L> {
         self.evaluate_view(&self.view(d, normals.specular), d, normals, wi)

@@ -1,6 +1,6 @@
-//! BSDFs: how surfaces scatter light. Each lobe has *sample*, which draws a direction and returns it with the
-//! weight f · cos θ / pdf, and, unless it is a delta lobe, *evaluate*, which returns f · cos θ and the pdf of
-//! a given direction.
+//! Scattering of light at surfaces (BSDFs). Each lobe has *sample*, which draws a direction and returns it
+//! with the weight f · cos θ / pdf, and, unless it is a delta lobe, *evaluate*, which returns f · cos θ and
+//! the pdf of a given direction.
 //!
 //! Shapes: `WIDTH` scattering events, one per lane.
 //! Units: pdfs per solid angle, in 1/sr.
@@ -8,8 +8,8 @@
 //! leaves the surface, towards the light. `n` is the unit normal on the side of wo (n · d < 0). u, v and
 //! `uc`, which chooses between lobes, are uniform in [0, 1).
 //!
-//! Lobes have no colour, which the material multiplies; only [`plastic`] and [`metal_rough`] hold one,
-//! because their reflection is white, or whiter, over a base that is not.
+//! Lobes have no colour; the material multiplies it. Only [`plastic`] and [`metal_rough`] hold one, because
+//! their reflection is white, or whiter, over a base that is not.
 //!
 //! A lobe too narrow for single precision to evaluate its pdf is sampled like any other but counts as a delta
 //! lobe: the pdf of its samples is infinite, and *evaluate* returns zero.

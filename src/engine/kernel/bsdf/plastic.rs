@@ -1,8 +1,8 @@
 //! Plastic: a dielectric coat, smooth or rough, over a diffuse base.
 //!
 //! The coat reflects F at its facets ([`super::ggx`]; smooth at alpha 0). The rest, T(i), reaches the base,
-//! which scatters it (Lambert, reflectance a). Of that T(o) leaves through the coat; F′ of it is reflected
-//! back onto the base, and so on. The series sums to
+//! which scatters it (Lambert, reflectance a). The share T(o) of that leaves through the coat; F′ is
+//! reflected back onto the base, and so on. The series sums to
 //!
 //! ```text
 //! f = F D G₂ / (4 cos i cos o) + a T(i) T(o) / (π η² (1 − a F′)),    1 − F′ = T̄ / η²,   T̄ = 2 ∫ T(c) c dc
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! A smooth coat has T(c) = 1 − F(c) and a reciprocal f: with a = 1 it returns all light. A rough coat loses
-//! light between its facets, which goes into the base: there T(o) = 1 − E(o) F(h) with the directional albedo
-//! E and the facets' mean cosine h of [`super::albedo`], so that a = 1 returns all light, but f is not
+//! light between its facets, which goes into the base: in this case T(o) = 1 − E(o) F(h) with the directional
+//! albedo E and the facets' mean cosine h of [`super::albedo`], so that a = 1 returns all light, but f is not
 //! reciprocal. `tests/laws/lobes.rs` measures how much.
 //!
 //! Source: Wolff, Nayar, Oren, "Improved Diffuse Reflection Models for Computer Vision", IJCV 1998; Jakob,
@@ -31,15 +31,15 @@ use crate::math::Vec3;
 pub struct Plastic<L: Lane> {
     /// The base's reflectance a.
     pub color: Vec3<L>,
-    /// Roughness of the coat, in [0, 1].
+    /// The roughness of the coat, in [0, 1].
     pub alpha: L,
-    /// η, at least 1.
+    /// The index of refraction η, at least 1.
     pub ior: L,
-    /// T̄ of [`mean_transmittance`].
+    /// The T̄ of [`mean_transmittance`].
     pub transmitted: L,
 }
 
-/// T̄: the coat's transmittance of uniform incident radiance.
+/// Returns T̄, the coat's transmittance of uniform incident radiance.
 ///
 /// Domain: `ior` ≥ 1.
 /// Error: less than 1e-6; in f64 by the midpoint rule over c².
@@ -51,7 +51,7 @@ pub fn mean_transmittance(ior: f32) -> f32 {
     ((0..STEPS).map(transmittance).sum::<f64>() / f64::from(STEPS)) as f32
 }
 
-/// What depends on the direction from which plastic is seen, and not on that of the light.
+/// The values that depend on the direction of view and not on that of the light.
 #[derive(Clone, Copy, Debug)]
 pub struct PlasticView<L: Lane> {
     /// T(o).
@@ -65,7 +65,7 @@ pub struct PlasticView<L: Lane> {
 }
 
 impl<L: Lane> PlasticView<L> {
-    /// Zeros, for packets without plastic.
+    /// Returns zeros, for packets without plastic.
     #[inline(always)]
     pub fn none() -> Self {
         let zero = L::zero();
@@ -73,15 +73,15 @@ impl<L: Lane> PlasticView<L> {
     }
     #[inline(always)]
     fn fresnel(&self, cos: L) -> L {
-        // Above 0: at a cosine of 0 an index of 1 gives 0/0.
+        // Kept above 0: at a cosine of 0 an index of 1 gives 0/0.
         fresnel::dielectric(self.inverse_ior, cos.min(L::one()).max(L::splat(1e-6))).reflectance
     }
-    /// T of the direction of the light, from its cosine.
+    /// Returns T of the direction of the light, from its cosine.
     #[inline(always)]
     fn transmittance(&self, cos: L) -> L {
         L::one() - self.fresnel(cos)
     }
-    /// F at the facet that reflects d into `wi`: h · o = |h| / 2.
+    /// Returns F at the facet that reflects d into `wi`: h · o = |h| / 2.
     #[inline(always)]
     fn facet_fresnel(&self, d: Vec3<L>, wi: Vec3<L>) -> L {
         let half = wi - d;
@@ -103,28 +103,28 @@ impl<L: Lane> Plastic<L> {
         view.coat_probability = self.coat_probability(view.into_base, view.base);
         view
     }
-    /// a / (η² (1 − a) + a T̄) of each channel, by one division.
+    /// Returns a / (η² (1 − a) + a T̄) of each channel, by one division.
     #[inline(always)]
     fn base_factor(&self) -> Vec3<L> {
         let Vec3 { x, y, z } = self.color;
         let eta2 = self.ior * self.ior;
-        // Above 0; the product of three stays a normal number.
+        // Kept above 0; the product of three stays a normal number.
         let divisor = |a: L| a.mul_add(self.transmitted, eta2 * (L::one() - a)).max(L::splat(1e-12));
         let (dx, dy, dz) = (divisor(x), divisor(y), divisor(z));
         let inverse = L::one() / (dx * dy * dz);
         Vec3::new(x * (dy * dz * inverse), y * (dx * dz * inverse), z * (dx * dy * inverse))
     }
-    /// The probability of sampling the coat: its share of the reflected light if it were smooth, in the
-    /// channel with the brightest base.
+    /// Returns the probability of sampling the coat: its share of the reflected light if it were smooth, in
+    /// the channel with the brightest base.
     #[inline(always)]
     fn coat_probability(&self, into_base: L, base: Vec3<L>) -> L {
         let fresnel = L::one() - into_base;
         let base = base.x.max(base.y).max(base.z) * self.transmitted;
-        // Where both are zero, the result is black.
+        // If both are zero, the result is black.
         fresnel / base.mul_add(into_base, fresnel).max(L::splat(f32::MIN_POSITIVE))
     }
 
-    /// Samples the coat or the base, as `uc` says. The second result is the weight with colour.
+    /// Samples the coat or the base, by `uc`. The second result is the weight with colour.
     #[inline(always)]
     pub fn sample(
         &self,
@@ -147,12 +147,12 @@ impl<L: Lane> Plastic<L> {
             weight = Vec3::select(delta, Vec3::repeat(mirror_weight), weight);
             pdf = L::select(delta, L::splat(f32::INFINITY), pdf);
         }
-        // Where the pdf is zero, rounding moved the sample out of the lobe, or the base absorbs it.
+        // If the pdf is zero, rounding moved the sample out of the lobe, or the base absorbs it.
         let alive = (!coat | L::zero().lt(cos)) & L::zero().lt(pdf);
         (BsdfSample { wi, weight: L::one(), pdf, alive }, weight)
     }
 
-    /// Coat and base together; the base alone where the coat is a delta lobe. Zero below the surface.
+    /// Evaluates coat and base; only the base if the coat is a delta lobe. Zero below the surface.
     #[inline(always)]
     pub fn evaluate(
         &self,

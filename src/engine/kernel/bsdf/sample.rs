@@ -1,4 +1,4 @@
-//! What lobes return.
+//! The results of lobes: sampled directions and values for given ones.
 
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
@@ -10,14 +10,14 @@ pub struct BsdfSample<L: Lane> {
     pub wi: Vec3<L>,
     /// f · cos θ / pdf without the material's colour, which multiplies it.
     pub weight: L,
-    /// Per solid angle; `f32::INFINITY` of delta lobes.
+    /// The pdf per solid angle; `f32::INFINITY` for delta lobes.
     pub pdf: L,
-    /// False where the light is absorbed; the other fields are unspecified there.
+    /// False in lanes that absorb the light; the other fields are then unspecified.
     pub alive: L::Mask,
 }
 
 impl<L: Lane> BsdfSample<L> {
-    /// A sample of weight 1.
+    /// Creates a sample of weight 1.
     #[inline(always)]
     pub(super) fn lossless(wi: Vec3<L>, pdf: L) -> Self {
         Self { wi, weight: L::one(), pdf, alive: L::Mask::splat(true) }
@@ -34,7 +34,7 @@ pub struct LobeEval<L: Lane> {
 }
 
 impl<L: Lane> LobeEval<L> {
-    /// Zero outside of `mask`.
+    /// Returns value and pdf, zero outside `mask`.
     #[inline(always)]
     pub(super) fn within(mask: L::Mask, value: L, pdf: L) -> Self {
         Self { value: value.only(mask), pdf: pdf.only(mask) }

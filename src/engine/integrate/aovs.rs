@@ -1,5 +1,5 @@
 //! AOVs (arbitrary output variables): depth, normal, albedo and more of the surface at the centre of every
-//! pixel. Input of the denoiser, of temporal reprojection, and of the viewer's views of the scene.
+//! pixel. The denoiser, temporal reprojection, and the viewer's views of the scene read them.
 
 use super::context::TraceContext;
 use super::emission::environment_radiance;
@@ -16,7 +16,7 @@ use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::rays::Kind;
 
-/// Lanes of the pass. AOVs are the same at any width.
+/// The lanes of the pass. AOVs are the same at any width.
 type L = F32x8;
 type B = <L as Lane>::Bits;
 pub(super) const ALL: u32 = Features::ALL.0;
@@ -24,32 +24,32 @@ pub(super) const ALL: u32 = Features::ALL.0;
 /// One variable of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
-    /// Along the ray from the camera; infinite where it hits nothing.
+    /// The distance along the ray from the camera; infinite if the ray hits nothing.
     Distance,
-    /// Unit shading normal, facing the camera; zero where there is no surface.
+    /// The x of the unit shading normal, which faces the camera; zero if there is no surface.
     NormalX,
-    /// y of the shading normal.
+    /// The y of the shading normal.
     NormalY,
-    /// z of the shading normal.
+    /// The z of the shading normal.
     NormalZ,
-    /// Albedo, textures included, in [0, 1]. Of emissive surfaces and of the environment the radiance, scaled
-    /// down where a channel is above 1.
+    /// The red of the albedo, textures included, in [0, 1]. For emissive surfaces and the environment it is
+    /// the radiance, scaled down if a channel is above 1.
     AlbedoRed,
-    /// Green of the albedo.
+    /// The green of the albedo.
     AlbedoGreen,
-    /// Blue of the albedo.
+    /// The blue of the albedo.
     AlbedoBlue,
-    /// Barycentric weights of a triangle's second and third vertex; 0 elsewhere.
+    /// The barycentric weight of a triangle's second vertex; 0 elsewhere.
     WeightU,
-    /// The barycentric weight of the third vertex.
+    /// The barycentric weight of a triangle's third vertex; 0 elsewhere.
     WeightV,
-    /// Width of the lobe, in [0, 1]: alpha (the square of the roughness) of metal and of the metallic share
-    /// of metal-rough, roughness of the fuzzy mirror; 0 of mirrors and glass; 1 of every other surface and
-    /// share, and where there is none.
+    /// The width of the lobe, in [0, 1]: alpha (the square of the roughness) for metal and for the metallic
+    /// share of metal-rough, roughness for the fuzzy mirror; 0 for mirrors and glass; 1 for every other
+    /// surface and share, and for pixels without a surface.
     Lobe,
-    /// Of emissive surfaces and of the environment, radiance over albedo; 0 of every other surface.
+    /// Radiance over albedo for emissive surfaces and the environment; 0 for every other surface.
     Scale,
-    /// Bits of [`AovSample::object`].
+    /// The bits of [`AovSample::object`].
     Object,
 }
 
@@ -58,17 +58,17 @@ const PLANES: usize = Plane::Object as usize + 1;
 /// The surface at the centre of a pixel: see [`Plane`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AovSample {
-    /// Distance from the camera; infinite for a miss.
+    /// The distance from the camera; infinite for a miss.
     pub distance: f32,
     /// The shading normal; zero for a miss.
     pub normal: glam::Vec3,
-    /// Reflectance in linear RGB.
+    /// The reflectance in linear RGB.
     pub albedo: [f32; 3],
-    /// Barycentric weights of a triangle's second and third vertex.
+    /// The barycentric weights of a triangle's second and third vertex.
     pub weights: [f32; 2],
-    /// Width of the lobe: see [`Plane::Lobe`].
+    /// The width of the lobe: see [`Plane::Lobe`].
     pub lobe: f32,
-    /// Object id: the same on one sphere, or on all triangles of one material; [`MISS`] where there is no
+    /// The object id, the same on one sphere, or on all triangles of one material; [`MISS`] if there is no
     /// surface.
     pub object: u32,
 }
@@ -77,8 +77,8 @@ pub struct AovSample {
 #[derive(Clone, Debug, Default)]
 pub struct Aovs {
     resolution: [u32; 2],
-    /// From one plane of a row to the next: a packet more than pixels, so that the last packet may be loaded
-    /// and stored whole.
+    /// The distance from one plane of a row to the next: a packet more than pixels, so that the last packet
+    /// may be loaded and stored whole.
     stride: usize,
     values: Vec<f32>,
 }
@@ -86,29 +86,29 @@ pub struct Aovs {
 impl Aovs {
     pub(super) const PLANES: usize = PLANES;
 
-    /// Allocates only where the picture grows. The values are unspecified afterwards.
+    /// Changes the size; allocates only if the picture grows. The values are unspecified afterwards.
     pub fn resize(&mut self, resolution: [u32; 2]) {
         let [width, height] = resolution.map(|side| side as usize);
         self.resolution = resolution;
         self.stride = width + L::WIDTH;
         self.values.resize(self.stride * PLANES * height, 0.0);
     }
-    /// Pixels: width, height.
+    /// Returns the width and height in pixels.
     pub fn resolution(&self) -> [u32; 2] {
         self.resolution
     }
-    /// One plane of a row of pixels, from the left.
+    /// Returns one plane of a row of pixels, from the left.
     #[inline(always)]
     pub fn row(&self, plane: Plane, y: u32) -> &[f32] {
         let start = (y as usize * PLANES + plane as usize) * self.stride;
         &self.values[start..start + self.resolution[0] as usize]
     }
-    /// [`AovSample::object`] of a row of pixels.
+    /// Returns [`AovSample::object`] of a row of pixels.
     #[inline(always)]
     pub fn objects(&self, y: u32) -> &[u32] {
         bytemuck::cast_slice(self.row(Plane::Object, y))
     }
-    /// The sample of a pixel of the tile.
+    /// Returns the sample of a pixel.
     pub fn pixel(&self, x: u32, y: u32) -> AovSample {
         let at = |plane| self.row(plane, y)[x as usize];
         AovSample {
@@ -120,13 +120,13 @@ impl Aovs {
             object: at(Plane::Object).to_bits(),
         }
     }
-    /// As many pixels and the same values as another one.
+    /// Copies the size and the values of another picture.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         (self.resolution, self.stride) = (other.resolution, other.stride);
         self.values.clear();
         self.values.extend_from_slice(&other.values);
     }
-    /// The length of a row and all rows, for [`render_row`].
+    /// Returns the length of a row, and all rows, for [`render_row`].
     pub(crate) fn rows(&mut self) -> (usize, &mut [f32]) {
         (self.stride * PLANES, &mut self.values)
     }
@@ -148,7 +148,7 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
     }
 }
 
-/// The planes of the packet at `at`.
+/// Returns the planes of the packet at `at`.
 fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
     let cone = context.primary_cone::<L, ALL>();
     let ray = Ray { origin: context.camera.origin(), direction: scratch.queue.primary::<L>(at).0 };
@@ -156,11 +156,11 @@ fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [
     Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at)).planes(context)
 }
 
-/// What a packet of rays sees.
+/// The surfaces or the environment that a packet of rays sees.
 pub(super) struct Seen {
     hit: Hit<L>,
     pub found: Mask8,
-    /// Where some lane is in `found`.
+    /// The surfaces and their materials, if some lane is in `found`.
     pub surface: Option<(Surface<L>, MaterialSample<L>)>,
     pub normal: Vec3<L>,
     pub albedo: Vec3<L>,
@@ -230,7 +230,7 @@ impl Seen {
     }
 }
 
-/// Radiance scaled so that no channel is above 1, and one over that scale.
+/// Returns radiance scaled so that no channel is above 1, and one over that scale.
 fn displayable(radiance: Vec3<L>) -> (Vec3<L>, L) {
     let most = radiance.x.max(radiance.y).max(radiance.z).max(L::one());
     (radiance * (L::one() / most), most)

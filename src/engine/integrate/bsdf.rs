@@ -11,7 +11,7 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
 use crate::sampling::{PacketValues, dimension};
 
-/// What is done with each lobe; `mask` holds the lanes that have it. Delta lobes may be left out.
+/// An operation on each lobe; `mask` holds the lanes that have it. Delta lobes may be left out.
 trait LobeVisitor<L: Lane> {
     fn diffuse(&mut self, mask: L::Mask);
     #[inline(always)]
@@ -56,17 +56,17 @@ fn visit_lobes<L: Lane, const N: u32>(
 pub struct ScatteredPath<L: Lane> {
     /// The paths as they leave the surface.
     pub path: Path<L>,
-    /// Those that go on.
+    /// The paths that continue.
     pub alive: L::Mask,
-    /// Those that a delta lobe scattered.
+    /// The paths that a delta lobe scattered.
     pub is_delta: L::Mask,
-    /// Where rays to the lights start: at lobes that are none of mirrors and glass, the path's origin.
+    /// The origins of rays to lights; for lobes other than mirrors and glass, they are the paths' origins.
     pub offset_origin: Vec3<L>,
-    /// For [`evaluate`].
+    /// The view of plastic, for [`evaluate`].
     pub plastic: PlasticView<L>,
 }
 
-/// Samples the BSDF: the next segment of each path in `found`.
+/// Samples the BSDF; returns the next segment of each path in `found`.
 #[inline(always)]
 pub fn scatter<L: Lane, const N: u32>(
     path: &Path<L>,
@@ -120,7 +120,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let is_delta = !sample.pdf.lt(L::splat(f32::INFINITY));
 
     let throughput = path.throughput * (color * sample.weight);
-    // A path with throughput 0 ends here. NaN goes on, to be counted at the film.
+    // A path with throughput 0 ends here. NaN continues, so that the film counts it.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
     let ray = leave::<L, N>(surface, material, normals.ng, sample.wi, (found, is_delta));
     let inv_pdf =
@@ -129,7 +129,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     ScatteredPath { path, alive: sample.alive & !dark, is_delta, offset_origin, plastic }
 }
 
-/// The ray that leaves a surface in the lanes of `found`; those of `is_delta` have a delta lobe.
+/// Returns the rays that leave a surface in the lanes of `found`; those of `is_delta` have a delta lobe.
 #[inline(always)]
 fn leave<L: Lane, const N: u32>(
     surface: &Surface<L>,
@@ -149,8 +149,8 @@ fn leave<L: Lane, const N: u32>(
     Ray { origin: ng.mul_add(side, leaving_point::<L, N>(surface, material, is_delta)), direction: wi }
 }
 
-/// Where rays start: the hit, or, except at mirrors and glass, whose pictures would shift, the point of the
-/// smooth surface above it.
+/// Returns the points where rays start: the hit, or the point of the smooth surface above it, except at
+/// mirrors and glass, whose images would shift.
 #[inline(always)]
 fn leaving_point<L: Lane, const N: u32>(
     surface: &Surface<L>,
@@ -163,9 +163,9 @@ fn leaving_point<L: Lane, const N: u32>(
     Vec3::select(is_delta, surface.point, surface.point + material.bulge)
 }
 
-/// The ray that continues a path at mirrors and glass (the lanes of `found`; others are unspecified), and the
-/// factor of its throughput: along the reflection, or at glass along the more likely one of reflection and
-/// refraction. The mask holds refractions.
+/// Returns the rays that continue paths at mirrors and glass (the lanes of `found`; others are unspecified),
+/// and the factors of their throughput: along the reflection, or at glass along the likelier one of
+/// reflection and refraction. The mask holds refractions.
 #[inline(always)]
 pub fn follow_delta<L: Lane, const N: u32>(
     d: Vec3<L>,
@@ -192,7 +192,7 @@ fn sample_mirror<L: Lane>(d: Vec3<L>, lobes: &LobeNormals<L>) -> BsdfSample<L> {
     lobes.raise_sample(bsdf::mirror::sample(d, lobes.specular), |_| L::zero())
 }
 
-/// The colour of glass (the lanes of `mask`) in the sampled direction: thin glass reflects white.
+/// Returns the colour of glass (the lanes of `mask`) in the sampled direction: thin glass reflects white.
 #[inline(always)]
 fn glass_color<L: Lane>(material: &MaterialSample<L>, mask: L::Mask, ng: Vec3<L>, wi: Vec3<L>) -> Vec3<L> {
     let white = mask & bsdf::glass::is_thin(material.roughness_or_ior) & L::zero().lt(wi.dot(ng));
@@ -219,12 +219,12 @@ impl<L: Lane> Sampling<'_, L> {
         sample.pdf = L::select(mask, lobe.pdf, sample.pdf);
         sample.alive = sample.alive | (mask & lobe.alive);
     }
-    /// Two random numbers for the direction.
+    /// Returns two random numbers for the direction.
     #[inline(always)]
     fn two_numbers(&self) -> (L, L) {
         self.numbers.get_2d(dimension::DIRECTION)
     }
-    /// A random number that chooses between reflection and transmission.
+    /// Returns a random number that chooses between reflection and transmission.
     #[inline(always)]
     fn lobe_number(&self) -> L {
         self.numbers.get_1d(dimension::LOBE)
@@ -287,9 +287,9 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     }
 }
 
-/// The value of the BSDF, cosine included, for light that arrives from `towards` and leaves against `d`, and
-/// the pdf with which [`scatter`] samples `towards`. Zero in lanes outside `mask`, below the surface, and of
-/// delta lobes. `plastic` is that of [`ScatteredPath`] at this surface.
+/// Returns the value of the BSDF, cosine included, for light that arrives from `towards` and leaves against
+/// `d`, and the pdf with which [`scatter`] samples `towards`. Both are zero outside `mask`, below the
+/// surface, and for delta lobes. `plastic` is that of [`ScatteredPath`] at this surface.
 #[inline(always)]
 pub fn evaluate<L: Lane, const N: u32>(
     d: Vec3<L>,
@@ -321,7 +321,7 @@ impl<L: Lane> Evaluation<'_, L> {
         self.eval.value = Vec3::select(mask, lobe.value, self.eval.value);
         self.eval.pdf = L::select(mask, lobe.pdf, self.eval.pdf);
     }
-    /// Takes a lobe by [`LobeNormals::fold`].
+    /// Evaluates a lobe by [`LobeNormals::fold`].
     #[inline(always)]
     fn take_folded(&mut self, mask: L::Mask, color: Vec3<L>, lobe: impl Fn(Vec3<L>) -> LobeEval<L>) {
         let colored = |wi, _| {
@@ -361,8 +361,8 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
     }
 }
 
-/// The lanes with a lobe that is worth light sampling: one that is neither a delta lobe nor too narrow.
-/// Unspecified in lanes that hit nothing.
+/// Returns the lanes with a lobe that is worth light sampling, which is neither a delta lobe nor too narrow;
+/// unspecified in lanes that hit nothing.
 #[inline(always)]
 pub fn has_sampled_lobe<L: Lane, const N: u32>(material: &MaterialSample<L>) -> L::Mask {
     let has_lobe = |kind: u32| material.kind.equals(L::Bits::splat(kind));

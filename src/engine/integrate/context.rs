@@ -1,4 +1,4 @@
-//! What every stage reads, and the tests of a pipeline's feature set.
+//! The data that every stage reads, and the tests of a pipeline's feature set.
 
 use super::queue::{Path, PathQueue, QueueColumns};
 use crate::buffers::{Abilities, Buffers, Features};
@@ -12,28 +12,28 @@ use crate::sampling::Sampler;
 
 pub use crate::buffers::has;
 
-/// Is this the pipeline with every feature? The longest functions of shading are called there, and inlined in
-/// others: a quarter less of the engine to compile, and as fast. See `perf/README.md`.
+/// Tests whether this is the pipeline with every feature. It calls the longest functions of shading, which
+/// others inline: a quarter less of the engine to compile, and as fast. See `perf/README.md`.
 #[inline(always)]
 pub const fn is_general(n: u32) -> bool {
     n == Features::ALL.0
 }
 
-/// Do paths that miss end where they are intersected, so that shading has full packets? Only under a sky that
-/// the feature set knows: in scenes without one, nearly every ray hits the sphere around them, and looking
-/// for misses costs 3 %.
+/// Tests whether paths that miss end where they are intersected, so that shading has full packets. They do so
+/// only if the feature set has a sky: in scenes without one, nearly every ray hits the sphere around them,
+/// and testing for misses costs 3 %.
 #[inline(always)]
 pub const fn ends_missed(n: u32) -> bool {
     has(n, Features::SKY_GRADIENT) || has(n, Features::SKY_TEXTURE)
 }
 
-/// Are texels read before shading, in a loop of their own? Where each hit has at most one, a display value.
+/// Tests whether texels are read in a loop before shading: each hit has at most one, a display value.
 #[inline(always)]
 pub const fn reads_texels_first(n: u32) -> bool {
     has(n, Features::TEXTURES) && !Features(n).meets(MANY_TEXELS)
 }
 
-/// Features with which a hit may have several texels, or one that is more than four bytes.
+/// The features with which a hit may have several texels, or one of more than four bytes.
 const MANY_TEXELS: Features = Features::BILINEAR
     .with(Features::LINEAR_TEXTURES)
     .with(Features::LEVELS_OF_DETAIL)
@@ -41,7 +41,7 @@ const MANY_TEXELS: Features = Features::BILINEAR
     .with(Features::NORMAL_MAPS)
     .with(Features::EMISSION_MAPS);
 
-/// The texture lookups that the feature set `N` holds.
+/// Returns the texture lookups that the feature set `n` holds.
 #[inline(always)]
 pub const fn abilities(n: u32) -> Abilities {
     Abilities {
@@ -57,42 +57,42 @@ pub struct TraceContext {
     pub buffers: Buffers,
     /// The lights that are sampled.
     pub lights: Lights,
-    /// The scene for intersection.
+    /// The scene in the form that intersection reads.
     pub structure: Structure,
     /// The camera.
     pub camera: Pinhole,
     /// The primitives that the primary rays of each tile can hit, by [`crate::camera::Tile::number`]; empty
-    /// where culling does not pay.
+    /// if culling does not pay.
     pub visible: Vec<Candidates>,
-    /// Pixels in a row of the picture.
+    /// The number of pixels in a row of the picture.
     pub width: u32,
-    /// Scattering events allowed on a path.
+    /// The number of scattering events allowed on a path.
     pub max_bounces: u32,
-    /// Seed of the random numbers.
+    /// The seed of the random numbers.
     pub seed: u32,
-    /// Where sample values come from.
+    /// The source of sample values.
     pub sampler: Sampler,
 }
 
 impl TraceContext {
-    /// Whether paths carry ray cones: in the general pipeline only those of scenes that need them.
+    /// Tests whether paths carry ray cones: in the general pipeline, only in scenes that need them.
     #[inline(always)]
     pub fn carries_cones<const N: u32>(&self) -> bool {
         has(N, Features::LEVELS_OF_DETAIL) && self.buffers.needs.contains(Features::LEVELS_OF_DETAIL)
     }
-    /// The columns of the path queue that are stored.
+    /// Returns the columns of the path queue that are stored.
     #[inline(always)]
     pub fn columns<const N: u32>(&self) -> QueueColumns {
         QueueColumns { lights: has(N, Features::LIGHTS), cones: self.carries_cones::<N>() }
     }
-    /// The cones of primary rays.
+    /// Returns the cones of primary rays.
     #[inline(always)]
     pub fn primary_cone<L: Lane, const N: u32>(&self) -> Cone<L> {
         if self.carries_cones::<N>() { Cone::of_pixel(self.camera.pixel_size()) } else { Cone::none() }
     }
 
-    /// The paths of the packet at `at`. `FIRST`: at their first segment, of which the queue holds direction
-    /// and key alone.
+    /// Returns the paths of the packet at `at`. With `FIRST` they are at their first segment, of which the
+    /// queue holds only direction and key.
     #[inline(always)]
     pub fn path<L: Lane, const N: u32, const FIRST: bool>(&self, queue: &PathQueue, at: usize) -> Path<L> {
         if !FIRST {

@@ -1,4 +1,4 @@
-//! Traversal cost of primary rays, for the heat maps of the viewer.
+//! Measures the traversal cost of primary rays, for the heat maps of the viewer.
 
 use super::context::TraceContext;
 use super::generate::pixel_centers;
@@ -6,12 +6,12 @@ use super::scratch::Scratch;
 use crate::camera::MAX_PIXELS;
 use crate::traverse::counter::Counts;
 
-/// Intersection tests of one ray, traced by itself.
+/// The intersection tests of one ray, traced by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// Boxes tested.
+    /// The number of boxes tested.
     pub boxes: u32,
-    /// Spheres and triangles.
+    /// The number of spheres and triangles tested.
     pub primitives: u32,
 }
 

@@ -1,10 +1,10 @@
-//! The denoiser's AOVs: those of what mirrors and glass show, and of several points of pixels at edges.
+//! The denoiser's AOVs: of surfaces seen in mirrors and through glass, and of several points of edge pixels.
 //!
-//! At a delta lobe the path continues as the likelier of the estimator's paths does: along the reflection,
-//! or at glass along the more likely one of reflection and refraction. Normal, lobe and albedo are those of
-//! the first surface with another lobe; distances add up, colours multiply, and the object id combines those
-//! on the way, so that an object and its reflection are two. Source: Áfra, Open Image Denoise, documentation
-//! (albedos and normals of perfect specular surfaces). Metal that is nearly a mirror is followed, too.
+//! At a delta lobe the path continues as the likelier of the estimator's paths does: along the reflection, or
+//! at glass along the likelier one of reflection and refraction. Normal, lobe and albedo are those of the
+//! first surface with another lobe; distances add up, colours multiply, and the object id combines those on
+//! the way, so that an object and its reflection are two. Metal that is nearly a mirror is followed, too.
+//! Source: Áfra, Open Image Denoise, documentation (albedos and normals of perfect specular surfaces).
 
 use super::aovs::{ALL, Aovs, Plane, Seen};
 use super::bsdf::follow_delta;
@@ -22,69 +22,69 @@ use crate::math::MISS;
 type L = F32x8;
 type B = <L as Lane>::Bits;
 
-/// Most mirrors and glass surfaces that are followed.
+/// The largest number of mirrors and glass surfaces that are followed.
 const MAX_FOLLOWED: u32 = 8;
 /// Metal whose lobe is no wider than this is followed as a mirror: on curved surfaces its images are sharp.
 const NARROW_METAL: f32 = 0.03;
-/// Points of a pixel at an edge, from its upper left corner: a rotated grid.
+/// The points of a pixel at an edge, from its upper left corner: a rotated grid.
 pub const POINTS: [[f32; 2]; EDGE_POINTS] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
-/// Points of a pixel that are looked at.
+/// The number of points sampled in an edge pixel.
 pub const EDGE_POINTS: usize = 4;
-/// A pixel is at an edge where a neighbour's unit normal or albedo differs by more than this (length of the
+/// A pixel is at an edge if a neighbour's unit normal or albedo differs by more than this (length of the
 /// difference).
 const NORMAL_STEP: f32 = 0.4;
 const ALBEDO_STEP: f32 = 0.05;
-/// Bit of combined object ids, which no object's id has: see [`combine`]. `MISS` also has bit 31, which
+/// The bit of combined object ids, which no object's id has: see [`combine`]. `MISS` also has bit 31, which
 /// combined ids lack.
 const COMBINED: u32 = 1 << 30;
-/// Bit of a path's key: it passed glass or rough metal, where the estimator chooses at random.
+/// The bit of a path's key that marks glass or rough metal, where the estimator chooses at random.
 const CHOSEN: u32 = 1 << 31;
 
-/// What is seen at a point of the picture.
+/// The surface or environment seen at a point of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdgeSample {
-    /// The object that is seen there.
+    /// The object at the point.
     pub object: u32,
-    /// Its shading normal.
+    /// The shading normal.
     pub normal: [f32; 3],
-    /// Reflectance; of what emits, the radiance.
+    /// The reflectance; the radiance if the object emits.
     pub albedo: [f32; 3],
-    /// The albedo is the radiance, without noise.
+    /// Whether the albedo is the radiance, without noise.
     pub emits: bool,
 }
 
 /// A pixel whose neighbours show something else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgePixel {
-    /// The pixel's column.
+    /// The column of the pixel.
     pub x: u32,
-    /// What is seen at each point.
+    /// The sample at each point.
     pub samples: [EdgeSample; EDGE_POINTS],
 }
 
-/// The denoiser's AOVs: see the head of this file.
+/// The denoiser's AOVs: see the top of this file.
 #[derive(Clone, Debug, Default)]
 pub struct DenoiserAovs {
-    /// As those of the first hit, but [`Plane::Distance`], the normal, albedo, lobe, [`Plane::Scale`] and
-    /// object of pixels on mirrors and glass are those of what they show. A scale above 0: the pixel has no
-    /// noise; behind glass and narrow lobes it is 0, and the albedo of what emits is the radiance.
+    /// The AOVs of pixel centres. For pixels on mirrors and glass, [`Plane::Distance`], normal, albedo, lobe,
+    /// [`Plane::Scale`] and object are those of the surface seen in them. A scale above 0 means no noise;
+    /// behind glass and narrow lobes it is 0, and the albedo of emitters is the radiance.
     pub(crate) centers: Aovs,
-    /// Of each row, from the left.
+    /// The edge pixels of each row, from the left.
     pub(crate) edges: Vec<Vec<EdgePixel>>,
 }
 
 impl DenoiserAovs {
-    /// At pixel centres.
+    /// Returns the AOVs at pixel centres.
     pub fn centers(&self) -> &Aovs {
         &self.centers
     }
-    /// The pixels of a row that are at edges, from the left.
+    /// Returns the edge pixels of a row, from the left.
     pub fn edges(&self, y: u32) -> &[EdgePixel] {
         &self.edges[y as usize]
     }
 }
 
-/// Replaces what a row shows of mirrors and glass by what they show.
+/// Replaces the AOVs of mirrors and glass in a row by those of the surfaces seen in them.
 pub(crate) fn follow_row(context: &TraceContext, y: u32, row: &mut [f32], scratch: &mut Scratch) {
     let stride = row.len() / Aovs::PLANES;
     let width = context.width as usize;
@@ -114,7 +114,7 @@ pub(crate) fn follow_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
     }
 }
 
-/// Finds the pixels of a row that are at edges, and what their points show.
+/// Finds the edge pixels of a row, and samples their points.
 pub(crate) fn edge_row(
     context: &TraceContext,
     centers: &Aovs,
@@ -145,7 +145,7 @@ pub(crate) fn edge_row(
 }
 
 /// Calls `edge` for every pixel of a row that differs from a neighbour: in object, normal or albedo from the
-/// four next to it, in albedo also from the diagonal ones and those two pixels away. Where a texture is finer
+/// four next to it, in albedo also from the diagonal ones and those two pixels away. If a texture is finer
 /// than pixels, neighbours may agree by chance.
 fn find_edges(aovs: &Aovs, y: u32, mut edge: impl FnMut(u32)) {
     let lines: [Line; 5] = std::array::from_fn(|at| Line::of(aovs, (y + at as u32).saturating_sub(2)));
@@ -191,7 +191,7 @@ struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// The row, or the picture's last one.
+    /// Returns the row with this number, or the picture's last one.
     fn of(aovs: &'a Aovs, y: u32) -> Self {
         const VALUES: [Plane; 6] = [
             Plane::NormalX,
@@ -205,7 +205,7 @@ impl<'a> Line<'a> {
         Self { objects: aovs.objects(y), values: VALUES.map(|plane| aovs.row(plane, y)) }
     }
 
-    /// The packet from column `at` on; outside the row its first or last pixel.
+    /// Returns the packet from column `at` on; columns outside the row have its first or last pixel.
     #[inline(always)]
     fn packet(&self, at: i32) -> (B, [L; 6]) {
         let last = self.objects.len() as i32 - 1;
@@ -219,9 +219,9 @@ impl<'a> Line<'a> {
     }
 }
 
-/// What a path shows that starts at the camera.
+/// The surface or environment at the end of a path that starts at the camera.
 struct Shown {
-    /// Along the path.
+    /// The distance along the path.
     distance: f32,
     normal: [f32; 3],
     albedo: [f32; 3],
@@ -238,7 +238,7 @@ struct Points {
     slots: [u32; LENGTH],
 }
 
-/// A packet more than points.
+/// The largest number of points, and a packet more.
 const LENGTH: usize = MAX_PIXELS + L::WIDTH;
 
 impl Points {
@@ -250,7 +250,7 @@ impl Points {
         self.count += 1;
     }
 
-    /// Traces the paths of the points; calls `put` with the slot of each, and what it shows.
+    /// Traces the paths of the points; calls `put` with each point's slot and the surface it shows.
     fn trace(&self, context: &TraceContext, scratch: &mut Scratch, mut put: impl FnMut(usize, Shown)) {
         // `inv_pdf` holds distances.
         let columns = context.columns::<ALL>();
@@ -293,13 +293,13 @@ impl Points {
                         let next = Path {
                             ray,
                             throughput: path.throughput * factor,
-                            // The distance so far.
+                            // The distance along the path so far.
                             inv_pdf: path.inv_pdf + hit.t,
                             key: id,
                             slot: path.slot,
                             cone: scattered_cone(&path, surface, material, goes_on),
                         };
-                        // In place: no more paths go on than were read.
+                        // In place: no more paths continue than were read.
                         let next = next.compress(goes_on, columns);
                         scratch.queue.store_path(going_on, &next, columns);
                         going_on += goes_on.count();
@@ -328,7 +328,7 @@ fn put_all(path: &Path<L>, seen: &Seen, t: L, ends: <L as Lane>::Mask, put: &mut
     let chosen = !(path.key & B::splat(CHOSEN)).equals(B::splat(0));
     let object = combine(path.key & B::splat(!CHOSEN), seen.object);
     let object = B::select(direct, seen.object, object);
-    // Where directions were chosen the radiance is noisy; the albedo is what it would be along this path.
+    // If directions were chosen, the radiance is noisy; the albedo is the radiance along this path.
     let scale = seen.scale.only(!chosen);
     let emits = chosen & L::zero().lt(seen.scale);
     let albedo = seen.albedo * path.throughput * L::select(emits, seen.scale, L::one());

@@ -1,4 +1,4 @@
-//! Emitted radiance at the end of a segment: of surfaces and of the environment.
+//! Computes the radiance emitted at the end of a segment, by surfaces and by the environment.
 //!
 //! A light may be found by BSDF sampling (here) and by next event estimation (`shadow_rays`); both count,
 //! weighted by the power heuristic so that the weights of a direction sum to 1: Veach, Guibas, "Optimally
@@ -17,17 +17,17 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::TexelKind;
 
-/// The power heuristic (β = 2): the weight of a direction sampled with the pdf 1 / `inv_pdf`, which the other
-/// technique samples with `other_pdf`.
+/// Computes the power heuristic (β = 2): the weight of a direction sampled with the pdf 1 / `inv_pdf`, which
+/// the other technique samples with `other_pdf`.
 #[inline(always)]
 pub fn mis_weight<L: Lane>(inv_pdf: L, other_pdf: L) -> L {
     let ratio = inv_pdf * other_pdf;
     L::one() / ratio.mul_add(ratio, L::one())
 }
 
-/// The radiance that surfaces emit, times throughput and, after a bounce, the MIS weight of BSDF sampling.
+/// Returns surfaces' emitted radiance times throughput and, after a bounce, the MIS weight of BSDF sampling.
 ///
-/// `FIRST`: primary rays, which only the camera generates.
+/// With `FIRST`, the paths are primary rays, which only the camera generates.
 #[inline(always)]
 pub fn surface_radiance<L: Lane, const N: u32, const FIRST: bool>(
     path: &Path<L>,
@@ -41,8 +41,8 @@ pub fn surface_radiance<L: Lane, const N: u32, const FIRST: bool>(
     emitted * mis_weight(path.inv_pdf, surface.light_pdf)
 }
 
-/// The environment's radiance along the paths of the lanes in `missed`, times throughput and, after a bounce,
-/// the MIS weight of BSDF sampling; 0 in other lanes.
+/// Returns the environment's radiance along the paths of the lanes in `missed`, times throughput and, after a
+/// bounce, the MIS weight of BSDF sampling; 0 in other lanes.
 #[inline(always)]
 pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
@@ -65,8 +65,8 @@ pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
     Vec3::select(missed, radiance, Vec3::zero())
 }
 
-/// The environment's radiance from a direction, in a cone of this `angle`; unspecified in lanes outside
-/// `mask`.
+/// Returns the environment's radiance from a direction, in a cone of this `angle`; unspecified in lanes
+/// outside `mask`.
 #[inline(always)]
 pub fn environment_radiance<L: Lane, const N: u32>(
     context: &TraceContext,

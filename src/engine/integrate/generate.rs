@@ -1,7 +1,7 @@
-//! First stage: generates primary rays and finds their hits.
+//! The first stage: generates primary rays and finds their hits.
 //!
 //! Generation is a loop of its own, and so is the test of every primitive: see [`crate::traverse::List`].
-//! Statistics attribute the second to [`Stage::Trace`].
+//! Statistics attribute the second loop to [`Stage::Trace`].
 
 use super::context::TraceContext;
 use super::intersect::closest_of_queue;
@@ -12,8 +12,8 @@ use crate::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
 use crate::sampling::{PixelCoordinates, dimension};
 use std::ops::Range;
 
-/// Queues the tile's pixels in their order behind `waiting` paths, finds what they hit, and returns where in
-/// the queue they are. `number`: the tile's among those that are traced together.
+/// Queues the tile's pixels in their order behind `waiting` paths, finds their hits, and returns their range
+/// in the queue. `number` is the tile's among those that are traced together.
 pub fn generate<L: Lane>(
     context: &TraceContext,
     (number, tile): (usize, Tile),

@@ -1,4 +1,4 @@
-//! Second stage: finds the nearest hit of every path of the queue, and ends the paths that miss.
+//! The second stage: finds the nearest hit of every path of the queue, and ends the paths that miss.
 
 use super::context::TraceContext;
 use super::context::{ends_missed, has};
@@ -11,28 +11,28 @@ use crate::math::Hit;
 use crate::rays::Candidates;
 use std::ops::Range;
 
-/// What a run of [`intersect`] leaves.
+/// The result of [`intersect`].
 pub struct Intersected {
-    /// The indices in the queue of paths to shade.
+    /// The indices in the queue of the paths to shade.
     pub hits: Range<usize>,
-    /// Contributions of those that missed.
+    /// The number of contributions of paths that missed.
     pub contributions: usize,
 }
 
 impl Intersected {
-    /// The paths of a tile's primary rays, as [`super::generate()`] leaves them: in the order of their
-    /// pixels, those that missed too.
+    /// Returns the paths of a tile's primary rays, as [`super::generate()`] leaves them: in the order of
+    /// their pixels, including those that missed.
     pub fn all(paths: Range<usize>) -> Self {
         Self { hits: paths, contributions: 0 }
     }
 }
 
-/// Finds the nearest hits of paths after a bounce. Under a sky ([`ends_missed`]) those that miss add the
+/// Finds the nearest hits of paths after a bounce. Under a sky ([`ends_missed`]) paths that miss add the
 /// environment's radiance and end, and the others are compressed to the front of their range, so that shading
-/// has full packets. Without a sky, shading finds those that miss.
+/// has full packets. Without a sky, shading finds the paths that miss.
 ///
-/// That is not one loop with the tests of primitives: in short loops the processor works on several packets
-/// at a time.
+/// This loop is separate from the tests of primitives, because in short loops the processor works on several
+/// packets at a time.
 pub fn intersect<L: Lane, const N: u32>(
     context: &TraceContext,
     scratch: &mut Scratch,
@@ -67,7 +67,7 @@ pub fn intersect<L: Lane, const N: u32>(
     result
 }
 
-/// The lanes of `mask`, moved to the front.
+/// Moves the lanes of `mask` to the front.
 #[inline(always)]
 fn compress_hit<L: Lane>(hit: &Hit<L>, mask: L::Mask) -> Hit<L> {
     Hit {
@@ -78,8 +78,8 @@ fn compress_hit<L: Lane>(hit: &Hit<L>, mask: L::Mask) -> Hit<L> {
     }
 }
 
-/// Finds the nearest hits of a range of the path queue, `visible` holding all primitives that the rays can
-/// hit, if that is known.
+/// Finds the nearest hits of a range of the path queue. `visible` holds all primitives that the rays can hit,
+/// if they are known.
 #[inline(always)]
 pub fn closest_of_queue(
     context: &TraceContext,

@@ -1,4 +1,4 @@
-//! Evaluated materials: parameters, textures, shading normals, and how wide paths leave them.
+//! Evaluates materials: parameters, textures, shading normals, and the width at which paths leave them.
 
 use super::context::TraceContext;
 use super::context::{abilities, has, is_general, reads_texels_first};
@@ -15,33 +15,33 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::scene::TexelKind;
 
-/// The materials of a packet of surfaces, textures looked up.
+/// The materials of a packet of surfaces, with textures applied.
 pub struct MaterialSample<L: Lane> {
     /// One of [`MaterialCode`]'s kinds.
     pub kind: L::Bits,
     pub color: Vec3<L>,
-    /// Alpha of rough metal, plastic and metal-rough, roughness of fuzzy mirrors, refractive index of glass
-    /// (negated: thin glass).
+    /// The alpha of rough metal, plastic and metal-rough, the roughness of fuzzy mirrors, or the refractive
+    /// index of glass (negated: thin glass).
     pub roughness_or_ior: L,
     pub emission: Vec3<L>,
-    /// Plastic's index of refraction, and the share of light that its coat transmits. Of metal-rough the
+    /// Plastic's index of refraction, and the share of light that its coat transmits. For metal-rough, the
     /// dielectric's reflectance at normal incidence, and the metallic share.
     pub ior: L,
     pub transmitted: L,
-    /// Unit shading normal on the side of the geometric one; the geometric one itself unless
+    /// The unit shading normal on the side of the geometric one; the geometric normal itself unless
     /// `has_shading_normal`.
     pub ns: Vec3<L>,
     /// The lanes whose shading normal is interpolated or mapped.
     pub has_shading_normal: L::Mask,
-    /// The interpolated normal, without the normal map; the geometric one where vertices have none.
+    /// The interpolated normal, without the normal map; the geometric one if vertices have no normals.
     pub interpolated: Vec3<L>,
-    /// What leads from the hit to the smooth surface, where normals are interpolated: see [`normals::bulge`].
+    /// The vector from the hit to the smooth surface, if normals are interpolated: see [`normals::bulge`].
     pub bulge: Vec3<L>,
 }
 
 impl<L: Lane> MaterialSample<L> {
-    /// The materials of the lanes in `found`; the others are unspecified. Where [`reads_texels_first`],
-    /// colours lack their texels: [`MaterialSample::multiply_texels`].
+    /// Evaluates the materials of the lanes in `found`; the others are unspecified. With
+    /// [`reads_texels_first`], colours lack their texels: [`MaterialSample::multiply_texels`].
     #[inline(always)]
     pub fn of<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
         if is_general(N) {
@@ -109,7 +109,7 @@ impl<L: Lane> MaterialSample<L> {
         material
     }
 
-    /// The lanes of `mask` that have a lobe of this kind.
+    /// Returns the lanes of `mask` that have a lobe of this kind.
     #[inline(always)]
     pub fn has_lobe(&self, kind: u32, mask: L::Mask) -> L::Mask {
         mask & self.kind.equals(L::Bits::splat(kind))
@@ -144,7 +144,7 @@ impl<L: Lane> MaterialSample<L> {
         }
     }
 
-    /// Multiplies colours by texels that were read before, at the indices of [`texel_indices`].
+    /// Multiplies colours by texels that were already read, at the indices of [`texel_indices`].
     #[inline(always)]
     pub fn multiply_texels<const N: u32>(
         &mut self,
@@ -165,8 +165,8 @@ impl<L: Lane> MaterialSample<L> {
         self.color = self.color * texel;
     }
 
-    /// Multiplies roughness: the parameter of the fuzzy mirror, and the square root of every other one. Of
-    /// metal-rough the metallic share too.
+    /// Multiplies roughness by a map: the parameter of the fuzzy mirror, the square root of every other. For
+    /// metal-rough the map multiplies the metallic share, too.
     #[inline(always)]
     fn apply_roughness_map<const N: u32>(
         &mut self,
@@ -191,7 +191,7 @@ impl<L: Lane> MaterialSample<L> {
         }
     }
 
-    /// Multiplies emission.
+    /// Multiplies emission by a map.
     #[inline(always)]
     fn apply_emission_map<const N: u32>(
         &mut self,
@@ -228,8 +228,8 @@ impl<L: Lane> MaterialSample<L> {
     }
 }
 
-/// The indices of the texels that [`MaterialSample::multiply_texels`] multiplies colours by; 0 in lanes
-/// without.
+/// Returns the indices of the texels by which [`MaterialSample::multiply_texels`] multiplies colours; 0 in
+/// lanes without texels.
 #[inline(always)]
 pub fn texel_indices<L: Lane, const N: u32>(
     context: &TraceContext,
@@ -244,7 +244,7 @@ pub fn texel_indices<L: Lane, const N: u32>(
     context.buffers.textures.nearest_texels(texture_index(code), at, textured)
 }
 
-/// The codes of the textures of colours, and the lanes that have one.
+/// Returns the codes of the textures of colours, and the lanes that have one.
 #[inline(always)]
 fn color_textures<L: Lane, const N: u32>(
     context: &TraceContext,
@@ -258,17 +258,17 @@ fn color_textures<L: Lane, const N: u32>(
     (code, found & !code.equals(none))
 }
 
-/// The features of the general pipeline where no texture has levels of detail. A call that may follow every
+/// The features of the general pipeline if no texture has levels of detail. A call that may follow every
 /// lookup costs 6 % in textured scenes.
 const WITHOUT_LEVELS: Features = Features::ALL.without(Features::LEVELS_OF_DETAIL);
 
-/// Features that look up textures on surfaces.
+/// The features that look up textures on surfaces.
 const TEXTURED: Features = Features::TEXTURES
     .with(Features::ROUGHNESS_MAPS)
     .with(Features::NORMAL_MAPS)
     .with(Features::EMISSION_MAPS);
 
-/// The texels of the lanes in `mask`; `code` is index + 1.
+/// Returns the texels of the lanes in `mask`; `code` is index + 1.
 #[inline(always)]
 fn texel<L: Lane, const N: u32>(
     context: &TraceContext,
@@ -280,13 +280,13 @@ fn texel<L: Lane, const N: u32>(
     context.buffers.textures.sample(texture_index(code), at, mask, abilities(N), texel_kind)
 }
 
-/// The index of a texture from its code, which is one more.
+/// Returns the index of a texture from its code, which is one more.
 #[inline(always)]
 fn texture_index<B: Bits>(code: B) -> B {
     code.wrapping_add(B::splat(u32::MAX))
 }
 
-/// The cones of paths as they leave a surface; those of `is_delta` have a delta lobe. Of a coated or
+/// Returns the cones of paths as they leave a surface; those of `is_delta` have a delta lobe. On a coated or
 /// metallic-roughness surface both lobes count as the narrower one, the specular lobe.
 #[inline(always)]
 pub fn scattered_cone<L: Lane>(
@@ -297,12 +297,12 @@ pub fn scattered_cone<L: Lane>(
 ) -> Cone<L> {
     let is = |kind: u32| material.kind.equals(L::Bits::splat(kind));
     let (zero, one) = (L::zero(), L::one());
-    // Where the specular lobe is a delta lobe, what is none comes from the diffuse base.
+    // If the specular lobe is a delta lobe, all other samples come from the diffuse base.
     let is_base = is(MaterialCode::DIFFUSE)
         | (!is(MaterialCode::FUZZY_MIRROR) & ggx::is_narrow(material.roughness_or_ior));
     let lobe = L::select(is_base, one, material.roughness_or_ior.min(one));
     let lobe = L::select(is_delta, zero, lobe);
-    // Refraction at a sphere bends otherwise.
+    // Refraction at a sphere follows another rule.
     let curvature = L::select(is(MaterialCode::GLASS), zero, surface.curvature().flip_sign(surface.facing));
     path.cone.scattered(surface.cone_width, surface.facing, curvature, lobe)
 }
@@ -310,11 +310,11 @@ pub fn scattered_cone<L: Lane>(
 /// The normals of a surface, flipped to the side from which the ray arrives.
 #[derive(Clone, Copy)]
 pub struct FacingNormals<L: Lane> {
-    /// Geometric normal: decides sides.
+    /// The geometric normal, which decides sides.
     pub ng: Vec3<L>,
-    /// Those of the lobes.
+    /// The normals of the lobes.
     pub lobes: LobeNormals<L>,
-    /// The ray arrives at the outward side.
+    /// The lanes whose ray arrives at the outward side.
     pub outside: L::Mask,
 }
 

@@ -1,6 +1,6 @@
-//! Measures the statistics of one thread, and how long its paths are, for the heat maps of the viewer.
+//! Measures the statistics of one thread, and the lengths of its paths, for the heat maps of the viewer.
 //!
-//! While nothing is wanted, a stage costs one branch, and nothing is counted.
+//! While nothing is recorded, a stage costs one branch, and nothing is counted.
 
 use super::queue::PathQueue;
 use super::stats::{RayKind, Segment, Stage, Stats};
@@ -11,12 +11,12 @@ use crate::traverse::counter::Counts;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// What is recorded of one thread's work.
+/// The records of one thread's work.
 #[derive(Default)]
 pub struct Observer {
-    /// Times and counts, while statistics are wanted.
+    /// Times and counts, while statistics are recorded.
     meter: Option<Box<Meter>>,
-    /// Path lengths, while they are wanted.
+    /// Path lengths, while they are recorded.
     probe: Option<Box<Probe>>,
     /// The probe's memory while it is not in use.
     idle_probe: Option<Box<Probe>>,
@@ -31,7 +31,7 @@ impl Observer {
     pub fn take_stats(&mut self) -> Stats {
         self.meter.take().map(|meter| meter.stats()).unwrap_or_default()
     }
-    /// Attributes time to this stage, or to none, from now on. Returns the previous stage.
+    /// Attributes the time from now on to this stage, or to none. Returns the previous stage.
     #[inline(always)]
     pub fn begin(&mut self, stage: Option<Stage>) -> Option<Stage> {
         self.meter.as_mut().and_then(|meter| meter.begin(stage))
@@ -68,14 +68,13 @@ impl Observer {
             meter.counts[kind as usize] += tracer.take_counts();
         }
     }
-    /// Starts to record how long the paths of a tile are.
+    /// Starts to record the lengths of a tile's paths.
     pub fn start_probe(&mut self) {
         let probe = self.idle_probe.take();
         let probe = self.probe.insert(probe.unwrap_or_default());
         probe.paths.fill(PathShape::default());
     }
-    /// Ends the recording and returns it: the tile's pixels, in the order of
-    /// [`crate::camera::Tile::places`].
+    /// Ends the recording and returns it: the tile's pixels, in the order of [`crate::camera::Tile::places`].
     pub fn end_probe(&mut self) -> &Probe {
         self.idle_probe = self.probe.take();
         self.idle_probe.get_or_insert_default()
@@ -140,15 +139,15 @@ impl Meter {
 /// The number of segments of a pixel's path, and the occupancy of the packets that traced them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PathShape {
-    /// Rays: 1 without a bounce.
+    /// The number of rays: 1 without a bounce.
     pub segments: u32,
-    /// Active lanes of the packets that held them, summed.
+    /// The sum of the active lanes of the packets that held the rays.
     pub lanes: u32,
 }
 
-/// Records the shape of a tile's paths, by slot.
+/// The recorded shapes of a tile's paths, by slot.
 pub struct Probe {
-    /// One for each path of the tile.
+    /// The shape of each path of the tile.
     pub paths: [PathShape; MAX_PIXELS],
 }
 

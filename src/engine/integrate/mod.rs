@@ -7,17 +7,17 @@
 //! generate → ( intersect → shade → shadow rays )* → intersect → shade last
 //! ```
 //!
-//! - [`fn@generate`] makes primary rays and finds what they hit.
-//! - `intersect` finds what the rays of later segments hit. Under a sky, paths that miss end here.
+//! - [`fn@generate`] creates primary rays and finds their hits.
+//! - `intersect` finds the hits of rays of later segments. Under a sky, paths that miss end here.
 //! - Hits next to edges of triangles are corrected (`silhouettes`).
-//! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that go on, so that packets
-//!   stay full. Where lights are sampled, it queues shadow rays. Where each hit has at most one texel, all
+//! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that continue, so that packets
+//!   stay full. If lights are sampled, it queues shadow rays. If each hit has at most one texel, all texels
 //!   are read first.
 //! - `shadow_rays` adds the radiance of the shadow rays that are not occluded.
 //! - `shade_last` shades last segments: emitted radiance, no scattering.
 //!
-//! After two events a tile has few paths left: one or two packets, half empty. So the paths of several tiles
-//! wait for each other in the queue from there and go on together ([`fn@trace_tiles`]).
+//! After two events a tile has few paths left: one or two packets, half empty. The paths of several tiles
+//! therefore wait for each other in the queue at this point and continue together ([`fn@trace_tiles`]).
 //!
 //! # The estimator
 //! Unidirectional path tracing: a path's radiance is the sum, over its segments, of the radiance emitted by

@@ -1,6 +1,6 @@
-//! A path of at most n events is the beginning of one of more, with the same random numbers. So the pipeline
-//! traces the pixel with at most 0, 1, 2 … events, and each time leaves the last segment and the last shadow
-//! ray in its queues. No stage knows of it.
+//! Records one path as vertices. A path of at most n events is the beginning of one of more, with the same
+//! random numbers. The pipeline therefore traces the pixel with at most 0, 1, 2 … events, and each time
+//! leaves the last segment and the last shadow ray in its queues. No stage is changed for it.
 
 use super::aovs::ALL;
 use super::context::TraceContext;
@@ -15,7 +15,7 @@ use crate::camera::Tile;
 use crate::math::{Hit, Vec3};
 use crate::path_vertex::{PathVertex, lobe};
 
-/// The vertices of sample `sample` of pixel (x, y). The last one's radiance is what the film gets.
+/// Returns the vertices of sample `sample` of pixel (x, y). The film gets the last one's radiance.
 pub fn trace_path(context: &mut TraceContext, [x, y]: [u32; 2], sample: u32) -> Vec<PathVertex<f32>> {
     let tile = Tile { number: usize::MAX, x, y, width: 1, height: 1 };
     let (_, pipeline) = pipeline_for(Features::ALL, 1);
@@ -31,7 +31,7 @@ pub fn trace_path(context: &mut TraceContext, [x, y]: [u32; 2], sample: u32) -> 
         }
         if stats.shadow_rays.rays > shadow_rays {
             shadow_rays = stats.shadow_rays.rays;
-            // The last one, traced again; overwrites the hit.
+            // Traces the last shadow ray again; this overwrites the hit.
             let (vertex, scratch) = (&mut vertices[events as usize - 1], &mut *scratch);
             let (rays, mut hits) = scratch.shadow_queue.queries(&mut scratch.queue, 1);
             find_occluders(context, &mut scratch.tracer, &rays, &mut hits);

@@ -18,8 +18,8 @@ use std::ops::Range;
 /// [`trace_tiles`] at one width, compiled for one set of features.
 pub type Pipeline = fn(&TraceContext, &[Tile], u32, &mut Scratch) -> u64;
 
-/// Scattering events after which the paths of several tiles are traced together. A tile alone has few left by
-/// then: one or two packets, half empty, whose steps wait for each other.
+/// The number of scattering events after which the paths of several tiles are traced together. A tile alone
+/// then has few left: one or two packets, half empty, whose steps wait for each other.
 const SHARED_FROM: u32 = 2;
 
 /// Takes sample `sample` of every pixel of up to [`MAX_TILES`] tiles into `scratch`'s radiance and
@@ -97,8 +97,8 @@ fn later_segments<L: Lane, const N: u32>(
     rays
 }
 
-/// Traces a segment of paths after `bounce` bounces, shades their hits, and traces the shadow rays. Those
-/// that go on are stored from `to` on.
+/// Traces a segment of paths after `bounce` bounces, shades their hits, and traces the shadow rays. Paths
+/// that continue are stored from `to` on.
 #[inline(always)]
 fn trace_bounce<L: Lane, const N: u32>(
     context: &TraceContext,
@@ -126,13 +126,13 @@ fn shadow_rays<L: Lane, const N: u32>(context: &TraceContext, scratch: &mut Scra
     }
 }
 
-/// Scattering events after which directions are brought back to unit length.
+/// The number of scattering events after which directions are brought back to unit length.
 ///
 /// A mirror whose normal has the length 1 + δ, |δ| ≤ 2 ε, multiplies a direction's length by up to 1 + 4 δ,
 /// and rounds by up to 9 ε, without FMA: 3 ε of d·n, doubled, go along the normal, 2 ε come from the product
-/// with it, ε from the sum. That is 17 ε or 1.0e-6 an event, always with the same sign between two mirrors.
-/// Eight events stay below 8.2e-6; the robust sphere test asks for 1e-5. Measured: 5e-5 after 1,024 events
-/// without renormalisation, `tests/laws/long_paths.rs`.
+/// with it, ε from the sum. The total is 17 ε or 1.0e-6 per event, always with the same sign between two
+/// mirrors. Eight events stay below 8.2e-6; the robust sphere test needs 1e-5. Measured: 5e-5 after 1,024
+/// events without renormalisation, `tests/laws/long_paths.rs`.
 pub const RENORMALIZATION_INTERVAL: u32 = 8;
 
 /// A pipeline at the widths 1, 8 and the widest one.
@@ -153,7 +153,7 @@ const PIPELINES: &[(Features, Widths)] = &[
     pipeline::<{ ALL_LOBES.0 }>(),
     pipeline::<{ Features::ALL.0 }>(),
 ];
-/// With `--cfg octray_general_only`, for checks of other processors in `.ci/run`: half the compilation.
+/// With `--cfg octray_general_only`, for checks of other processors in `.ci/run`, compilation is halved.
 #[cfg(octray_general_only)]
 const PIPELINES: &[(Features, Widths)] = &[pipeline::<{ Features::ALL.0 }>()];
 
@@ -161,7 +161,7 @@ const PIPELINES: &[(Features, Widths)] = &[pipeline::<{ Features::ALL.0 }>()];
 const DIFFUSE_AND_MIRROR_SPHERES: Features =
     Features::SPHERES.with(Features::DIFFUSE).with(Features::MIRROR).with(Features::SKY_GRADIENT);
 
-/// The thesis's kind of scene: a handful of textured spheres and triangles.
+/// The kind of scene in the thesis: a handful of textured spheres and triangles.
 #[cfg(not(octray_general_only))]
 const FEW_TEXTURED: Features = Features::SPHERES
     .with(Features::TRIANGLES)

@@ -8,11 +8,11 @@ use crate::rays::{Hits, Rays};
 use bytemuck::Zeroable;
 use std::ops::Range;
 
-/// Paths of earlier tiles that wait, at most, when a tile begins.
+/// The largest number of paths of earlier tiles that wait when a tile begins.
 pub(super) const MAX_EARLIER: usize = 2 * MAX_PIXELS;
-/// Those, a tile's, and the widest packet more, so that the last packet may be stored whole. Columns are
-/// three quarters of a page and a cache line apart, so that the same part of all columns is spread evenly
-/// over the sets of the cache.
+/// The length of a column: the waiting paths, a tile's, and the widest packet more, so that the last packet
+/// may be stored whole. Columns are three quarters of a page and a cache line apart, so that the same part of
+/// all columns is spread evenly over the sets of the cache.
 const LENGTH: usize = MAX_EARLIER + MAX_PIXELS + F32x16::WIDTH;
 
 pub(super) type Column = [f32; LENGTH];
@@ -43,45 +43,45 @@ impl Vec3Columns {
     }
 }
 
-/// The lanes of `mask`, moved to the front.
+/// Moves the lanes of `mask` to the front.
 #[inline(always)]
 pub(super) fn compress<L: Lane>(v: Vec3<L>, mask: L::Mask) -> Vec3<L> {
     Vec3::new(v.x.compress(mask), v.y.compress(mask), v.z.compress(mask))
 }
 
-/// A tile's paths behind those of earlier tiles that wait, and the hits of their last segments.
+/// The paths of a tile behind the waiting ones of earlier tiles, and the hits of their last segments.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C)]
 pub struct PathQueue {
     origin: Vec3Columns,
     direction: Vec3Columns,
-    /// The factor by which radiance found from here on counts in the pixel.
+    /// The factor of radiance found from here on in the pixel.
     throughput: Vec3Columns,
     /// One over the pdf of the path's direction, in sr; 0 after a delta lobe, which light sampling cannot
-    /// sample. Only where lights are sampled.
+    /// sample. Stored only if lights are sampled.
     inv_pdf: Column,
-    /// Key of the path's random numbers.
+    /// The key of the path's random numbers.
     key: IntColumn,
-    /// The number of the path's pixel among those of all tiles that are traced together: that in its tile
-    /// ([`crate::camera::Tile::places`]), and [`MAX_PIXELS`] for each tile before it.
+    /// The number of the path's pixel among those of all tiles that are traced together: its number in its
+    /// tile ([`crate::camera::Tile::places`]), and [`MAX_PIXELS`] for each tile before it.
     slot: IntColumn,
     t: Column,
     primitive: IntColumn,
     u: Column,
     v: Column,
-    /// [`Cone`]s. Only where textures have levels of detail.
+    /// The [`Cone`]s, stored only if textures have levels of detail.
     cone_width: Column,
     cone_angle: Column,
-    /// What is added to the index of a primary ray for its slot, modulo 2³².
+    /// The number that is added to the index of a primary ray for its slot, modulo 2³².
     to_slot: u32,
 }
 
 /// The columns that are not stored in every scene.
 #[derive(Clone, Copy)]
 pub struct QueueColumns {
-    /// Lights are sampled: `inv_pdf`.
+    /// Whether lights are sampled: `inv_pdf`.
     pub lights: bool,
-    /// Textures have levels of detail: ray cones.
+    /// Whether textures have levels of detail: ray cones.
     pub cones: bool,
 }
 
@@ -99,17 +99,17 @@ pub struct Path<L: Lane> {
     pub key: L::Bits,
     /// The number of the pixel, as in the queue.
     pub slot: L::Bits,
-    /// How wide the path is; none where textures have no levels of detail.
+    /// The ray cone; without width if textures have no levels of detail.
     pub cone: Cone<L>,
 }
 
 impl PathQueue {
-    /// Begins the tile of this number among those that are traced together: its primary rays are at `first`
-    /// and behind.
+    /// Begins the tile of this number among those that are traced together: its primary rays start at
+    /// `first`.
     pub fn begin_tile(&mut self, number: usize, first: usize) {
         self.to_slot = ((number * MAX_PIXELS) as u32).wrapping_sub(first as u32);
     }
-    /// Some rays, all from `origin` if that is given, and where their hits are written.
+    /// Returns a range of the rays, all from `origin` if that is given, and the columns of their hits.
     #[inline(always)]
     pub fn queries(&mut self, range: Range<usize>, origin: Option<glam::Vec3>) -> (Rays<'_>, Hits<'_>) {
         let first = range.start;
@@ -126,22 +126,22 @@ impl PathQueue {
         };
         (rays.first(range.len()), hits)
     }
-    /// Where the hits of another queue's rays are written: over the paths' own.
+    /// Returns the columns for the hits of another queue's rays, which overwrite the paths' own.
     #[inline(always)]
     pub fn other_hits(&mut self) -> Hits<'_> {
         let Self { t, primitive, u, v, .. } = self;
         Hits { t, primitive, u, v }
     }
-    /// The slots of all paths.
+    /// Returns the slots of all paths.
     pub fn slots(&self) -> &IntColumn {
         &self.slot
     }
-    /// The rays of `WIDTH` paths.
+    /// Returns the rays of `WIDTH` paths.
     #[inline(always)]
     pub fn ray<L: Lane>(&self, at: usize) -> Ray<L> {
         Ray { origin: self.origin.load(at), direction: self.direction.load(at) }
     }
-    /// The paths of a packet; zeros for columns that are not stored.
+    /// Returns the paths of a packet; zeros for columns that are not stored.
     #[inline(always)]
     pub fn path<L: Lane>(&self, at: usize, QueueColumns { lights, cones }: QueueColumns) -> Path<L> {
         let cone = match cones {
@@ -157,12 +157,12 @@ impl PathQueue {
             slot: L::Bits::load(&self.slot[at..]),
         }
     }
-    /// The slot of the primary ray at `at`.
+    /// Returns the slot of the primary ray at `at`.
     #[inline(always)]
     pub fn primary_slot(&self, at: usize) -> u32 {
         self.to_slot.wrapping_add(at as u32)
     }
-    /// Direction and key of paths at their first segment, where origin and throughput are the same for all,
+    /// Returns direction and key of paths at their first segment; origin and throughput are the same for all,
     /// and slots follow from the index in the queue.
     #[inline(always)]
     pub fn primary<L: Lane>(&self, at: usize) -> (Vec3<L>, L::Bits) {
@@ -202,7 +202,7 @@ impl PathQueue {
             self.direction.store(at, direction.normalize());
         }
     }
-    /// The hits of `WIDTH` paths.
+    /// Returns the hits of `WIDTH` paths.
     #[inline(always)]
     pub fn hit<L: Lane>(&self, at: usize) -> Hit<L> {
         Hit {
@@ -225,12 +225,12 @@ impl PathQueue {
 }
 
 impl<L: Lane> Path<L> {
-    /// A path as it leaves the camera.
+    /// Returns paths as they leave the camera.
     #[inline(always)]
     pub fn primary(ray: Ray<L>, key: L::Bits, slot: L::Bits, cone: Cone<L>) -> Self {
         Path { ray, throughput: Vec3::repeat(L::one()), inv_pdf: L::zero(), key, slot, cone }
     }
-    /// The lanes of `mask`, moved to the front.
+    /// Moves the lanes of `mask` to the front.
     #[inline(always)]
     pub fn compress(&self, mask: L::Mask, QueueColumns { cones, .. }: QueueColumns) -> Self {
         let cone = match cones {
@@ -257,11 +257,11 @@ impl<L: Lane> Path<L> {
 pub struct ShadowQueue {
     origin: Vec3Columns,
     direction: Vec3Columns,
-    /// Hits from here on do not occlude.
+    /// Only hits before it occlude.
     t_max: Column,
     radiance: Vec3Columns,
     slot: IntColumn,
-    /// Indices of lights, and [`Cone`]s. Only where [`crate::lights::Lights::needs_hits`].
+    /// The indices of lights, and [`Cone`]s; stored only if [`crate::lights::Lights::needs_hits`].
     light: IntColumn,
     cone_width: Column,
     cone_angle: Column,
@@ -271,28 +271,28 @@ pub struct ShadowQueue {
 pub struct ShadowRay<L: Lane> {
     /// Origin and direction.
     pub ray: Ray<L>,
-    /// Hits from here on do not occlude.
+    /// Only hits before it occlude.
     pub t_max: L,
-    /// The radiance that it carries.
+    /// The radiance that the ray carries.
     pub radiance: Vec3<L>,
     /// The pixel's number, as in the path queue.
     pub slot: L::Bits,
 }
 
 impl ShadowQueue {
-    /// The first `count` rays; their hits overwrite those in the path queue, which shading has
-    /// read, or which waiting paths do not have yet.
+    /// Returns the first `count` rays and the columns of their hits: those of the path queue, which shading
+    /// has read, or which waiting paths do not have yet.
     #[inline(always)]
     pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> (Rays<'a>, Hits<'a>) {
         let rays = Rays::new(self.origin.from(0), self.direction.from(0)).first(count);
         (rays.until(&self.t_max), queue.other_hits())
     }
-    /// The pixels of the packet at `at`, and the radiance that its rays carry.
+    /// Returns the pixels of the packet at `at`, and the radiance that its rays carry.
     #[inline(always)]
     pub fn contribution<L: Lane>(&self, at: usize) -> (L::Bits, Vec3<L>) {
         (L::Bits::load(&self.slot[at..]), self.radiance.load(at))
     }
-    /// The lights that the rays of the packet at `at` run to, and the rays as paths.
+    /// Returns the lights at which the rays of the packet at `at` are aimed, and the rays as paths.
     pub fn to_light<L: Lane>(&self, at: usize) -> (L::Bits, Path<L>) {
         let ray = Ray { origin: self.origin.load(at), direction: self.direction.load(at) };
         let cone = Cone { width: L::load(&self.cone_width[at..]), angle: L::load(&self.cone_angle[at..]) };
@@ -300,7 +300,7 @@ impl ShadowQueue {
         let path = Path { ray, throughput, inv_pdf: L::zero(), key: L::Bits::splat(0), slot, cone };
         (L::Bits::load(&self.light[at..]), path)
     }
-    /// Stores what [`Self::to_light`] reads beside the rays.
+    /// Stores the columns beside the rays that [`Self::to_light`] reads.
     pub fn store_light<L: Lane>(&mut self, at: usize, mask: L::Mask, light: L::Bits, cone: Cone<L>) {
         light.compress(mask).store(&mut self.light[at..]);
         cone.width.compress(mask).store(&mut self.cone_width[at..]);

@@ -1,4 +1,4 @@
-//! The radiance of one sample of the pixels of all tiles that are traced together.
+//! Stores the radiance of one sample of the pixels of all tiles that are traced together.
 
 use super::queue::{IntColumn, Vec3Columns, compress};
 use crate::camera::MAX_PIXELS;
@@ -6,15 +6,15 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use bytemuck::Zeroable;
 
-/// Most tiles that are traced together.
+/// The largest number of tiles that are traced together.
 pub const MAX_TILES: usize = 8;
 
-/// Pixels of these tiles, and a quarter of a page and a cache line more, so that red, green and blue of a
+/// The pixels of these tiles, and a quarter of a page and a cache line more, so that red, green and blue of a
 /// pixel are in different sets of the cache.
 const LENGTH: usize = MAX_TILES * MAX_PIXELS + 272;
 
-/// Sums of radiance by the slots of [`super::queue::PathQueue`], and contributions of a stage that wait to be
-/// added.
+/// The sums of radiance by the slots of [`super::queue::PathQueue`], and the contributions of a stage still
+/// to be added.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 pub struct Radiance {
@@ -33,8 +33,8 @@ impl Radiance {
         radiance.z.store(&mut blue[slot..]);
     }
 
-    /// Queues radiance of the lanes of `mask` behind `count` earlier contributions; returns how many there
-    /// are now. [`Radiance::add`] adds them.
+    /// Queues radiance of the lanes of `mask` behind `count` earlier contributions; returns their new number.
+    /// [`Radiance::add`] adds them.
     #[inline(always)]
     pub fn push<L: Lane>(&mut self, count: usize, mask: L::Mask, slot: L::Bits, radiance: Vec3<L>) -> usize {
         self.contributions.store(count, compress(radiance, mask));
@@ -49,7 +49,7 @@ impl Radiance {
         let [red, green, blue] = &mut self.sums;
         let events = self.slots[..count].iter().zip(&x[..count]).zip(&y[..count]).zip(&z[..count]);
         for (((&slot, &r), &g), &b) in events {
-            // It is below that already; this lets the compiler drop the bounds checks.
+            // The slot is below that already; the remainder lets the compiler drop the bounds checks.
             let slot = slot as usize % (MAX_TILES * MAX_PIXELS);
             for (channel, value) in [(&mut *red, r), (&mut *green, g), (&mut *blue, b)] {
                 channel[slot] += value;
@@ -57,8 +57,8 @@ impl Radiance {
         }
     }
 
-    /// Clamps the sums of the first `tiles` tiles to `most`. Infinite and NaN values stay; the film counts
-    /// them.
+    /// Clamps the sums of the first `tiles` tiles to `most`. Infinite and NaN values stay, so that the film
+    /// counts them.
     pub fn clamp(&mut self, tiles: usize, most: f32) {
         for channel in &mut self.sums {
             let values = channel[..tiles * MAX_PIXELS].iter_mut();
@@ -66,8 +66,8 @@ impl Radiance {
         }
     }
 
-    /// Red, green and blue of the pixels of the tile of this number among those that were traced together, in
-    /// their order; elements behind them are unspecified.
+    /// Returns red, green and blue of the pixels of the tile of this number among those that were traced
+    /// together, in their order; elements behind them are unspecified.
     pub fn of_tile(&self, number: usize) -> [&[f32]; 3] {
         self.sums.each_ref().map(|channel| &channel[number * MAX_PIXELS..][..MAX_PIXELS])
     }

@@ -1,4 +1,4 @@
-//! A thread's working memory.
+//! The working memory of a thread.
 
 use super::meter::Observer;
 use super::queue::IntColumn;
@@ -11,29 +11,29 @@ use crate::sampling::SampleTable;
 use crate::traverse::Tracer;
 use bytemuck::Zeroable;
 
-/// One thread's working memory. In use at a time are 25 KiB, which a first-level cache holds, 11 more for
-/// each 256 paths that wait, 12 for shadow rays, and the memory of the traversals of a hierarchy.
+/// One thread's working memory. It uses 25 KiB at a time, which a first-level cache holds, 11 more for each
+/// 256 waiting paths, 12 for shadow rays, and the memory of the traversals of a hierarchy.
 pub struct Scratch {
-    /// The paths that are alive: those that wait, then those of a tile.
+    /// The paths that are alive: the waiting ones, then those of a tile.
     pub queue: PathQueue,
     /// The shadow rays of a stage.
     pub shadow_queue: ShadowQueue,
-    /// The values of the sample that is being taken.
+    /// The values of the current sample.
     pub values: SampleTable,
-    /// The places of the tile's pixels.
+    /// The coordinates of the tile's pixels.
     pub pixels: Box<TilePixels>,
-    /// Texels of the hits that are to be shaded.
+    /// The texels of the hits to be shaded.
     pub texels: IntColumn,
-    /// The sample's radiance.
+    /// The radiance of the sample.
     pub radiance: Radiance,
-    /// What traversals work with.
+    /// The memory of traversals.
     pub tracer: Tracer,
-    /// Statistics and path lengths, while they are wanted.
+    /// Statistics and path lengths, while they are recorded.
     pub observer: Observer,
 }
 
 impl Scratch {
-    /// Empty queues on the heap.
+    /// Creates empty queues on the heap.
     pub fn new() -> Box<Self> {
         Box::new(Self {
             queue: PathQueue::zeroed(),

@@ -1,5 +1,5 @@
-//! Third and last stage: shading. Adds emitted radiance, samples the BSDF, and compresses the paths that go
-//! on.
+//! The third and last stage: shading. Adds emitted radiance, samples the BSDF, and compresses the paths that
+//! continue.
 
 use super::bsdf::{ScatteredPath, scatter};
 use super::context::TraceContext;
@@ -19,19 +19,19 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Vec3};
 use std::ops::Range;
 
-/// How many rays a run of [`shade`] leaves.
+/// The numbers of rays after a run of [`shade`].
 pub struct Shaded {
-    /// Paths that go on, in the path queue from where they were to be stored.
+    /// The number of paths that continue, stored from the requested index on.
     pub alive: usize,
-    /// Shadow rays at the front of their queue, for `trace_shadow_rays`.
+    /// The number of shadow rays at the front of their queue, for `trace_shadow_rays`.
     pub shadow_rays: usize,
 }
 
 /// Shades the hits of paths after `bounce` bounces, samples lights for them, and scatters them.
 ///
-/// Those that go on are stored from `to` on.
+/// Paths that continue are stored from `to` on.
 ///
-/// `FIRST`: the queue holds primary rays, as [`super::generate()`] left them, and some missed.
+/// With `FIRST`, the queue holds primary rays, as [`super::generate()`] left them, and some missed.
 pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
@@ -79,8 +79,8 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
             let at = Scattering { path, surface, material, scattered, numbers, found };
             shadow_rays = sample_direct_light::<L, N>(context, scratch, shadow_rays, &at);
         }
-        // In place: no more paths go on than were read, and they are stored where those began or before, so
-        // nothing unread is overwritten.
+        // In place: no more paths continue than were read, and they are stored at or before these, so nothing
+        // unread is overwritten.
         let ScatteredPath { path, alive, .. } = scattered;
         if alive.all() {
             scratch.queue.store_path(to + going_on, &path, columns);
@@ -104,7 +104,7 @@ pub fn shade_last<L: Lane, const N: u32, const FIRST: bool>(
     let paths = if FIRST || !ends_missed(N) || has(N, Features::EMISSION) {
         hits.clone()
     } else {
-        // Without emitters, what was hit adds nothing.
+        // Without emitters, hits add nothing.
         0..0
     };
     correct_triangles::<L, N, FIRST>(context, scratch, &paths);
@@ -126,7 +126,7 @@ pub fn shade_last<L: Lane, const N: u32, const FIRST: bool>(
     accumulator.finish(scratch);
 }
 
-/// [`correct_hits`] where triangles may hide each other at edges.
+/// Applies [`correct_hits`] if triangles may hide each other at edges.
 #[inline(always)]
 fn correct_triangles<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
@@ -138,7 +138,7 @@ fn correct_triangles<L: Lane, const N: u32, const FIRST: bool>(
     }
 }
 
-/// The materials of the packet at `at`.
+/// Returns the materials of the packet at `at`.
 #[inline(always)]
 fn material_of<L: Lane, const N: u32>(
     context: &TraceContext,
@@ -155,19 +155,19 @@ fn material_of<L: Lane, const N: u32>(
     material
 }
 
-/// What a packet of path segments ends at.
+/// The ends of a packet of path segments.
 struct SegmentEnds<L: Lane> {
     hit: Hit<L>,
     active: L::Mask,
-    /// Active lanes that hit a surface.
+    /// The active lanes that hit a surface.
     found: L::Mask,
     /// The environment's radiance in active lanes that missed; 0 elsewhere.
     radiance: Vec3<L>,
 }
 
 impl<L: Lane> SegmentEnds<L> {
-    /// Of the first packet of `paths` in a queue. It does not hold the path itself: that would be
-    /// copied through memory.
+    /// Finds the ends of the first packet of `paths` in a queue. They do not include the path itself, which
+    /// would be copied through memory.
     #[inline(always)]
     fn of<const N: u32, const FIRST: bool>(
         context: &TraceContext,
@@ -186,8 +186,8 @@ impl<L: Lane> SegmentEnds<L> {
     }
 }
 
-/// The lanes that add radiance: those that missed, and, where surfaces emit, those with radiance other than
-/// 0.
+/// Returns the lanes that add radiance: those that missed, and, if surfaces emit, those with radiance other
+/// than 0.
 #[inline(always)]
 fn carries_radiance<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radiance: Vec3<L>) -> L::Mask {
     if has(N, Features::EMISSION) {
@@ -226,7 +226,7 @@ impl<const FIRST: bool> RadianceAccumulator<FIRST> {
     }
 }
 
-/// Reads the texels of the hits of a range of a queue. `FIRST`: of primary rays.
+/// Reads the texels of the hits of a range of a queue; with `FIRST`, of primary rays.
 #[inline(always)]
 pub fn texels_of_hits<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,

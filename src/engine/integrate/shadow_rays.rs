@@ -1,4 +1,4 @@
-//! Next event estimation: shadow rays to sampled points of the lights.
+//! Next event estimation: traces shadow rays to sampled points of the lights.
 
 use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
 use super::context::TraceContext;
@@ -17,19 +17,19 @@ use crate::math::{Hit, Ray, Vec3};
 use crate::rays::{Hits, Rays, Tracer};
 use crate::sampling::{PacketValues, dimension};
 
-/// A shadow ray ends this share of its length before the light: far more than the error of a hit's distance,
-/// so that no light occludes itself, and so little that no occluder is missed.
+/// The share of its length by which a shadow ray ends before the light: far more than the error of a hit's
+/// distance, so that no light occludes itself, and so little that no occluder is missed.
 const SHADOW_EPSILON: f32 = 4e-6;
 
 /// A packet of paths at the surfaces that scatter them.
 pub struct Scattering<'a, L: Lane> {
-    /// The paths as they arrive.
+    /// The arriving paths.
     pub path: &'a Path<L>,
     /// The surfaces.
     pub surface: &'a Surface<L>,
     /// Their materials.
     pub material: &'a MaterialSample<L>,
-    /// The paths as they go on.
+    /// The scattered paths.
     pub scattered: &'a ScatteredPath<L>,
     /// The sample values of the event.
     pub numbers: &'a PacketValues<'a, L>,
@@ -38,9 +38,9 @@ pub struct Scattering<'a, L: Lane> {
 }
 
 /// Samples a point of a light for each path of a packet, and queues the shadow rays behind `count` earlier
-/// ones; returns how many there are now.
+/// ones; returns their new number.
 ///
-/// Not inlined: it is much code, called from two places.
+/// Not inlined, because it is much code that is called from two places.
 #[inline(never)]
 pub fn sample_direct_light<L: Lane, const N: u32>(
     context: &TraceContext,
@@ -57,7 +57,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     // Lights below the horizon add nothing.
     let n = material.interpolated.flip_sign(-path.ray.direction.dot(surface.ng));
     let (light, u) = lights.choose::<L, N>((surface.point, n), u, numbers);
-    // From where scattered rays start, so that BSDF sampling of the same direction has the same light pdf.
+    // The origin of scattered rays, so that BSDF sampling of the same direction has the same light pdf.
     let origin = scattered.offset_origin;
     let sample = lights.sample::<L, N>(&light, origin, (u, v), mask);
     let emission = emission::<L, N>(context, at, &light, &sample);
@@ -67,9 +67,8 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     let pdf = light.probability * sample.pdf;
     let possible = mask & L::zero().lt(pdf);
     let inv_pdf = L::one() / L::select(possible, pdf, L::one());
-    // By the probability of power, as BSDF sampling compares: the weights of a direction sum to 1, whatever
-    // pdf they take. 1 − the weight of BSDF sampling would cancel; this is the same heuristic with the pdfs
-    // exchanged.
+    // The probability is that by power, as in BSDF sampling: the weights of a direction sum to 1 with any
+    // pdf. 1 − the weight of BSDF sampling would cancel; this is the same heuristic with the pdfs exchanged.
     let weight = mis_weight(inv_pdf, bsdf.pdf);
     let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf * light.weight);
     let carries = possible & !(radiance.x + radiance.y + radiance.z).eq(L::zero());
@@ -86,8 +85,8 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
     count + carries.count()
 }
 
-/// Returns the light's radiance, or 1 where its hit decides: see [`ChosenLight::emission`]. The environment's
-/// comes from its texture.
+/// Returns the light's radiance, or 1 if its hit decides: see [`ChosenLight::emission`]. The environment's
+/// radiance comes from its texture.
 #[inline(always)]
 fn emission<L: Lane, const N: u32>(
     context: &TraceContext,
@@ -99,13 +98,13 @@ fn emission<L: Lane, const N: u32>(
     if !has(N, Features::SKY_TEXTURE) || !seen.any() {
         return light.emission;
     }
-    // As BSDF sampling sees the same direction: the weights of the two must sum to 1 over one sky.
+    // The angle of BSDF sampling in the same direction: the two weights must sum to 1 over one sky.
     let angle = scattered_cones::<L, N>(context, at).angle;
     let radiance = environment_radiance::<L, N>(context, sample.wi, angle, seen);
     Vec3::select(seen, radiance, light.emission)
 }
 
-/// Returns the cones of rays that lobes other than delta lobes scatter; none where paths carry none.
+/// Returns the cones of rays that lobes other than delta lobes scatter; no cones if paths carry none.
 #[inline(always)]
 fn scattered_cones<L: Lane, const N: u32>(context: &TraceContext, at: &Scattering<L>) -> Cone<L> {
     match context.carries_cones::<N>() {
@@ -143,8 +142,8 @@ pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch,
     observer.begin(Some(Stage::Shade));
 }
 
-/// Traces shadow rays: finds whether something is in their way or, where
-/// [`crate::lights::Lights::needs_hits`], what they hit.
+/// Traces shadow rays: finds whether they are occluded or, if [`crate::lights::Lights::needs_hits`], their
+/// hits.
 pub(super) fn find_occluders(context: &TraceContext, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits) {
     match context.lights.needs_hits() {
         true => tracer.closest_in_scene(&context.structure, rays, hits),
@@ -152,8 +151,8 @@ pub(super) fn find_occluders(context: &TraceContext, tracer: &mut Tracer, rays: 
     }
 }
 
-/// Returns which of the packet's shadow rays, those in `rays`, reach their lights, and what they add to which
-/// slots.
+/// Returns the lanes of `rays` whose shadow rays reach their lights, and the slots and the radiance of their
+/// contributions.
 #[inline(always)]
 pub(super) fn arriving_radiance<L: Lane>(
     context: &TraceContext,
@@ -168,7 +167,7 @@ pub(super) fn arriving_radiance<L: Lane>(
     }
 }
 
-/// [`arriving_radiance`] of rays that hit the primitives of their lights: what the hits emit.
+/// [`arriving_radiance`] for rays that hit the primitives of their lights: the radiance of the hits.
 #[inline(never)]
 fn emitted_by_hits<L: Lane>(
     context: &TraceContext,

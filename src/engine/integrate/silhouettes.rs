@@ -1,4 +1,4 @@
-//! Hits at silhouette edges: of two triangles that a ray meets at one distance, the near one is hit.
+//! Corrects hits at silhouette edges: if a ray meets two triangles at one distance, it hits the near one.
 
 use super::context::TraceContext;
 use super::scratch::Scratch;
@@ -10,22 +10,22 @@ use crate::rays::{Hits, Kind, Rays};
 use crate::traverse::Tracer;
 use std::ops::Range;
 
-/// The share of [`crate::kernel::surface::near_edge`] within which hits are looked at, by the error of a hit
-/// instead of the offset: two of those from an edge, where rounding moves a hit by half of one.
+/// The share of [`crate::kernel::surface::near_edge`] within which hits are tested, with the error of a hit
+/// in place of the offset: two errors from an edge, where rounding moves a hit by half of one.
 const SHARE: f32 = 0.25;
-/// The largest barycentric weight at which hits are looked at: one packet of sixteen in twenty has such a hit
-/// by chance. Only triangles smaller than a 2,000th of their coordinates, or of a ray's length, would need
-/// more.
+/// Hits whose least barycentric weight is larger are skipped. By chance, one packet of sixteen in twenty has
+/// a hit below it. Only triangles smaller than a 2,000th of their coordinates, or of a ray's length, would
+/// need more.
 const MOST: f32 = 1.0 / 1024.0;
 
 /// Corrects hits next to edges that rays pass within rounding, where two triangles meet and one hides the
-/// other: both are at one distance there, and the far one, met from behind, may come first. A path that went
-/// on from it would be inside what the edge belongs to, outside of a room.
+/// other: both are at one distance there, and the far one, met from behind, may come first. A path that
+/// continued from it would be inside the edge's body, or outside of a room.
 ///
-/// From where the ray began, a point a little inside the triangle and before it must be in sight; what is
-/// before that point is hit instead. Such looks are not counted as rays.
+/// A ray from the original origin to a point a little inside the triangle and before it must be unoccluded;
+/// anything before that point becomes the hit. These visibility rays are not included in the ray count.
 ///
-/// `FIRST`: the queue holds primary rays.
+/// With `FIRST`, the queue holds primary rays.
 #[inline(never)]
 pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
     context: &TraceContext,
@@ -46,7 +46,7 @@ pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
         let triangle = L::Bits::select(near, index, L::Bits::splat(0));
         let TriangleRow { a, edges, ng, offset, near_edge, .. } =
             TriangleRow::fetch(&context.buffers.triangle_rows, triangle, false);
-        // As `triangle_offset`, of a ray that comes from far away.
+        // Like `triangle_offset`, for a ray that comes from far away.
         let error = L::splat(16.0 * EPSILON).mul_add(hit.t, offset);
         let at_edge = near & (hit.least_weight() * offset).lt(near_edge * L::splat(SHARE) * error);
         if !at_edge.any() {
@@ -65,7 +65,7 @@ pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
     }
 }
 
-/// The nearest hit between two points.
+/// Returns the nearest hit between two points.
 fn first_between(context: &TraceContext, tracer: &mut Tracer, [from, to]: [glam::Vec3; 2]) -> Hit<f32> {
     let (direction, length) = (to - from).normalize_and_length();
     let [from, direction] = [from, direction].map(|v| v.to_array().map(|x| [x]));

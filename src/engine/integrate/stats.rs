@@ -1,4 +1,4 @@
-//! Statistics of rendering: time by stage, rays and packets by bounce, intersection tests by kind of ray.
+//! Collects statistics: time by stage, rays and packets by bounce, intersection tests by kind of ray.
 
 use crate::traverse::counter::Counts;
 use std::ops::AddAssign;
@@ -7,9 +7,9 @@ use std::time::Duration;
 /// A stage of the integrator, to which time is attributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Generates primary rays, and finds none of their hits.
+    /// Generates primary rays, without finding their hits.
     Generate,
-    /// Finds the nearest hits of paths, primary rays included; under a sky, ends those that miss after a
+    /// Finds the nearest hits of paths, primary rays included; under a sky, ends paths that miss after a
     /// bounce.
     Trace,
     /// Adds emitted radiance, samples BSDFs and lights, compresses.
@@ -24,7 +24,7 @@ impl Stage {
     /// All stages, in order.
     pub const ALL: [Self; 5] = [Self::Generate, Self::Trace, Self::Shade, Self::ShadowRays, Self::Finish];
 
-    /// As reports name it.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Generate => "generate",
@@ -39,11 +39,11 @@ impl Stage {
 /// The purpose of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
-    /// From the camera.
+    /// A ray from the camera.
     Primary,
-    /// From a surface that scattered.
+    /// A ray from a surface that scattered.
     Bounce,
-    /// To a sampled point of a light.
+    /// A ray to a sampled point of a light.
     Shadow,
 }
 
@@ -51,7 +51,7 @@ impl RayKind {
     /// All kinds, in order.
     pub const ALL: [Self; 3] = [Self::Primary, Self::Bounce, Self::Shadow];
 
-    /// As reports name it.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Primary => "primary",
@@ -64,34 +64,34 @@ impl RayKind {
 /// Sums over all tiles, samples and threads.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stats {
-    /// In the order of [`Stage::ALL`]: each instant belongs to one stage.
+    /// The time of each stage, in the order of [`Stage::ALL`]: each instant belongs to one stage.
     pub times: [Duration; Stage::ALL.len()],
-    /// Segments of paths: primary rays, then those after one bounce, and so on.
+    /// The segments of paths: primary rays, then those after one bounce, and so on.
     pub segments: Vec<Segment>,
     /// All shadow rays.
     pub shadow_rays: Segment,
-    /// Intersection tests, in the order of [`RayKind::ALL`].
+    /// The intersection tests, in the order of [`RayKind::ALL`].
     pub counts: [Counts; RayKind::ALL.len()],
 }
 
-/// Rays of one kind, or of one number of bounces.
+/// The number of rays of one kind, or after one number of bounces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Segment {
-    /// Rays traced.
+    /// The number of rays traced.
     pub rays: u64,
-    /// Packets that hold them, single rays at a width of 1.
+    /// The number of packets that hold them: single rays at a width of 1.
     pub packets: u64,
 }
 
 impl Segment {
-    /// Rays in packets of `width`.
+    /// Counts rays in packets of `width`.
     pub fn of(rays: usize, width: usize) -> Self {
         Self { rays: rays as u64, packets: rays.div_ceil(width) as u64 }
     }
 }
 
 impl Stats {
-    /// The number of rays of a kind.
+    /// Returns the number of rays of a kind.
     pub fn rays(&self, kind: RayKind) -> u64 {
         match kind {
             RayKind::Primary => self.segments.first().map_or(0, |first| first.rays),

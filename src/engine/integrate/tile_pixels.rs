@@ -1,11 +1,11 @@
-//! Where the pixels of a tile are in the picture.
+//! Computes the coordinates of a tile's pixels in the picture.
 
 use crate::camera::{BLOCK, MAX_PIXELS, Tile};
 use crate::lane::{Bits, F32x16, Lane};
 use crate::sampling::{PixelCoordinates, blue_noise};
 
-/// Columns and rows of a tile's pixels from its first, in the order of [`Tile::places`]; unspecified behind
-/// them.
+/// The columns and rows of a tile's pixels from its first, in the order of [`Tile::places`]; entries behind
+/// them are unspecified.
 type Steps = [[u8; 2]; MAX_PIXELS];
 
 // Whole packets, so that the last one can be read too.
@@ -14,7 +14,7 @@ const _: () = assert!(MAX_PIXELS.is_multiple_of(F32x16::WIDTH));
 /// The pixels of a tile. Its table is the same for every sample, and for the next tile if that is as large.
 pub struct TilePixels {
     tile: Tile,
-    /// Pixels at the front whose packets are rows of [`BLOCK`] pixels below each other.
+    /// The number of pixels at the front whose packets are rows of [`BLOCK`] pixels below each other.
     in_blocks: usize,
     steps: Steps,
 }
@@ -23,13 +23,13 @@ pub struct TilePixels {
 const _: () = assert!(BLOCK == blue_noise::STRIP);
 
 impl TilePixels {
-    /// Of no tile.
+    /// Creates a table of no tile.
     pub fn new() -> Self {
         let tile = Tile { number: 0, x: 0, y: 0, width: 0, height: 0 };
         Self { tile, in_blocks: 0, steps: [[0; 2]; MAX_PIXELS] }
     }
 
-    /// Turns to a tile.
+    /// Sets the tile.
     pub fn begin(&mut self, tile: Tile) {
         let before = std::mem::replace(&mut self.tile, tile);
         let Tile { width, height, .. } = tile;
@@ -44,7 +44,7 @@ impl TilePixels {
         self.in_blocks = (rows * tile.width) as usize;
     }
 
-    /// The places of the packet at `at`, a multiple of its width; unspecified in lanes behind the last pixel.
+    /// Returns the coordinates of the packet at `at`, a multiple of its width; unspecified beyond the end.
     #[inline(always)]
     pub fn places<L: Lane>(&self, at: usize) -> PixelCoordinates<L> {
         if L::WIDTH == 1 || at < self.in_blocks {
@@ -70,7 +70,7 @@ mod tests {
         let expected: Vec<_> = tile.places().collect();
         for at in (0..tile.pixels()).step_by(L::WIDTH) {
             let places = pixels.places::<L>(at);
-            // Of a last band with fewer rows, no packet is a block; nor where columns are none of strips.
+            // No packet is a block in a last band with fewer rows, nor if columns are unaligned to strips.
             let is_aligned = tile.width.is_multiple_of(BLOCK) && tile.x.is_multiple_of(BLOCK);
             let is_whole = is_aligned && expected[at][1] - tile.y < tile.height / BLOCK * BLOCK;
             let is_block = matches!(places, PixelCoordinates::Block { .. });

@@ -6,11 +6,11 @@
 use crate::lane::{Bits, Lane};
 use crate::math::BELOW_ONE;
 
-/// One slot of equal width a light: a number within the slot's width chooses the slot's own light below
+/// A slot of equal width for each light: a number within the slot's width chooses the slot's own light below
 /// `threshold`, its alias from there on.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AliasTable {
-    /// Fractions of the slot's width, as bits.
+    /// The thresholds: fractions of the slot's width, as bits.
     threshold: Vec<u32>,
     alias: Vec<u32>,
 }
@@ -33,7 +33,7 @@ impl AliasTable {
                 small.push(long);
             }
         }
-        // The slots left over are full but for rounding.
+        // The remaining slots are full except for rounding.
         Self { threshold, alias }
     }
 
@@ -42,7 +42,7 @@ impl AliasTable {
         self.alias.len()
     }
 
-    /// Returns the slot that a number in [0, 1) falls into, and where in the slot.
+    /// Returns the slot that a number in [0, 1) falls into, and the position within the slot.
     #[inline(always)]
     fn slot<L: Lane>(&self, number: L) -> (L::Bits, L) {
         let scaled = number * L::splat(self.len() as f32);
@@ -59,7 +59,7 @@ impl AliasTable {
         L::from_bits(L::gather_bits(&self.threshold, slot))
     }
 
-    /// Returns the light that `number` chooses, and what is left of `number`: a number in [0, 1).
+    /// Returns the light that `number` chooses, and the rest of `number`: a number in [0, 1).
     #[inline(always)]
     pub fn choose<L: Lane>(&self, number: L) -> (L::Bits, L) {
         let (slot, fraction) = self.slot(number);

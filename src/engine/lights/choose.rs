@@ -7,14 +7,14 @@ use crate::lane::{Bits, Lane, functions};
 use crate::math::{BELOW_ONE, Vec3};
 use crate::sampling::{PacketValues, dimension};
 
-/// How many lights [`Lights::resample`] compares.
+/// The number of lights that [`Lights::resample`] compares.
 const CANDIDATES: usize = 8;
 
 impl Lights {
-    /// Chooses a light for each lane, for a `place`: a point and the normal there. Compares few lights,
+    /// Chooses a light for each lane, for a `place`: a point and the normal there. It compares few lights,
     /// resamples very many, and chooses among others by power.
     ///
-    /// Returns the rest of `u` too: a number in [0, 1), as well distributed over the chosen light as `u` is
+    /// Also returns the rest of `u`: a number in [0, 1), as well distributed over the chosen light as `u` is
     /// over all of them.
     ///
     /// Domain: there are lights.
@@ -39,7 +39,7 @@ impl Lights {
         }
     }
 
-    /// Chooses a light by `u`, and returns the rest of `u` too, as [`Lights::choose`] does. Among more than
+    /// Chooses a light by `u`, and also returns the rest of `u`, as [`Lights::choose`] does. Among more than
     /// 64 lights `number` and `second_number` choose, and `u` is returned whole. `fits_registers` promises at
     /// most [`Lights::FEW`] lights.
     ///
@@ -60,8 +60,8 @@ impl Lights {
         (self.fetch(light, L::one(), fits_registers), rest)
     }
 
-    /// Chooses one of few lights by `u`, in proportion to its irradiance at `place`, as if nothing were
-    /// between them. Returns the rest of `u` too, as [`Lights::choose`] does.
+    /// Chooses one of few lights by `u`, in proportion to its irradiance at `place`, ignoring occlusion. Also
+    /// returns the rest of `u`, as [`Lights::choose`] does.
     ///
     /// Domain: there are importance rows, at most [`Lights::MAX_COMPARED`].
     #[inline(always)]
@@ -90,17 +90,17 @@ impl Lights {
         let per_share = L::one() / L::select(possible, share, L::one());
         let rest = ((at - start) * per_share).max(L::zero()).min(L::splat(BELOW_ONE));
         let mut chosen = self.fetch(light, L::one(), fits_registers);
-        // 0 where no light is above the horizon.
+        // The weight is 0 if no light is above the horizon.
         chosen.weight = (chosen.probability * (sum * per_share)).only(possible);
         (chosen, rest)
     }
 
-    /// Chooses among many lights by what each would bring to `place`, as if nothing were between them: takes
-    /// `CANDIDATES` lights by power, and one of those in proportion to its irradiance over its probability.
-    /// Three numbers in [0, 1).
+    /// Chooses among many lights by the irradiance that each would bring to `place`, ignoring occlusion:
+    /// takes `CANDIDATES` lights by power, and one of those in proportion to its irradiance over its
+    /// probability. The numbers are three in [0, 1).
     ///
-    /// The light's contribution over its probability counts as many times as the mean of those quotients
-    /// exceeds its own: an estimate without bias, because each light that can bring something may be chosen.
+    /// The light's contribution over its probability is multiplied by the mean of those quotients over its
+    /// own: an estimate without bias, because each light that can bring something may be chosen.
     ///
     /// Domain: there are importance rows. Source: J. Talbot, D. Cline, P. Egbert, "Importance Resampling for
     /// Global Illumination", EGSR 2005.
@@ -114,7 +114,7 @@ impl Lights {
         let (mut sum, mut quotient) = (L::zero(), L::zero());
         let below_one = L::splat(BELOW_ONE);
         for candidate in 0..CANDIDATES {
-            // Evenly spread over the table.
+            // The candidates are evenly spread over the table.
             let at = (number + L::splat(candidate as f32)) * L::splat(1.0 / CANDIDATES as f32);
             let light = self.alias_table.choose_by_two(at.min(below_one), second_number);
             let own = irradiance(&self.importance_rows, light, place, false) / self.probability(light);
@@ -128,14 +128,14 @@ impl Lights {
             quotient = L::select(taken, own, quotient);
         }
         let mean = sum * L::splat(1.0 / CANDIDATES as f32);
-        // 0 where no candidate is above the horizon.
+        // The weight is 0 if no candidate is above the horizon.
         let weight = L::select(L::zero().lt(quotient), mean / quotient, L::zero());
         self.fetch(chosen, weight, false)
     }
 }
 
-/// Returns the row that a light within a sphere is weighed by: centre, radius, unit normal of a flat light or
-/// else 0, and its power over 4π, or over 2π of a flat light.
+/// Returns the row by which a light within a sphere is weighed: centre, radius, unit normal of a flat light
+/// or else 0, and its power over 4π, or over 2π for a flat light.
 pub(super) fn bounded_importance(
     center: glam::Vec3,
     radius: f32,
@@ -153,7 +153,7 @@ pub(super) fn importance_everywhere(irradiance: f64) -> [f32; 8] {
 }
 
 /// Returns an estimate, from these rows, of the irradiance of a light at `point` on a surface with the normal
-/// `n`, as if nothing were between them. It is above 0 where some of the light is above the horizon.
+/// `n`, ignoring occlusion. It is above 0 if some of the light is above the horizon.
 ///
 /// Source of the bounds of cosines: A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with
 /// Adaptive Tree Splitting", HPG 2018, §4.
@@ -168,8 +168,8 @@ pub(super) fn irradiance<L: Lane>(
     let (to, normal) = (Vec3::new(x, y, z) - point, Vec3::new(nx, ny, nz));
     let distance2 = to.dot(to).max(radius * radius).max(L::splat(f32::MIN_POSITIVE));
     let per_distance = functions::approximate_rsqrt(distance2);
-    // An angle that is smaller by that of the bounding sphere has a cosine that is greater by its sine at
-    // most.
+    // An angle reduced by that of the bounding sphere has a cosine that is greater by at most the sphere's
+    // sine.
     let sine = radius * per_distance;
     let cosine = to.dot(n).mul_add(per_distance, sine).max(L::zero()).min(L::one());
     let facing = (to.dot(normal).abs()).mul_add(per_distance, sine).min(L::one());

@@ -11,21 +11,21 @@ use std::f64::consts::{PI, TAU};
 
 /// A latitude/longitude grid of cells; the pdf is constant within a cell.
 ///
-/// Sampled by inverting the marginal CDF of rows and the conditional CDF of columns in a row, which keeps
-/// low-discrepancy points well spread: Pharr et al., PBR 4ed §A.4.7 and §12.5.
+/// It is sampled by inverting the marginal CDF of rows and the conditional CDF of columns in a row, which
+/// keeps low-discrepancy points well spread: Pharr et al., PBR 4ed §A.4.7 and §12.5.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     rows: u32,
     columns: u32,
-    /// The marginal CDF of rows, from the top. Bits.
+    /// The marginal CDF of rows, from the top, as bits.
     row_cdf: Vec<u32>,
-    /// For each row, the conditional CDF of its columns, from the left. Bits.
+    /// For each row, the conditional CDF of its columns, from the left, as bits.
     column_cdfs: Vec<u32>,
-    /// The pdf of each cell, in 1/sr. Bits.
+    /// The pdf of each cell, in 1/sr, as bits.
     pdfs: Vec<u32>,
-    /// Cosines of the polar angle at the rows' upper edges, and at the last one's lower edge. Bits.
+    /// The cosines of the polar angle at the rows' upper edges and at the last row's lower edge, as bits.
     edge_cosines: Vec<u32>,
-    /// Turns of the texture: see [`Sky::Texture`].
+    /// The rotation of the texture in turns: see [`Sky::Texture`].
     turn: f32,
     /// The mean radiance over all directions.
     pub mean: f64,
@@ -33,14 +33,14 @@ pub struct EnvironmentLight {
     pub contrast: f64,
 }
 
-/// Most columns and rows: in finer textures a cell has the mean of its texels.
+/// The largest number of columns and rows: in finer textures a cell has the mean of its texels.
 const MAX_CELLS: [u32; 2] = [512, 256];
 
 fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u32> {
     numbers.into_iter().map(|number| (number as f32).to_bits()).collect()
 }
 
-/// Returns the CDF of a piecewise constant function; uniform where the function is 0.
+/// Returns the CDF of a piecewise constant function; uniform if the function is 0.
 fn cdf(parts: &[f64]) -> Vec<f64> {
     let total: f64 = parts.iter().sum();
     let uniform = 1.0 / parts.len() as f64;
@@ -51,13 +51,13 @@ fn cdf(parts: &[f64]) -> Vec<f64> {
             Some(*sum)
         })
         .collect();
-    // Exactly 1, in single precision too.
+    // The sum is exactly 1, in single precision too.
     *sums.last_mut().expect("there is a cell") = 1.0;
     sums
 }
 
 impl EnvironmentLight {
-    /// Returns the light of a scene whose sky is a texture; `None` where it is black.
+    /// Returns the light of a scene whose sky is a texture; `None` if the texture is black.
     pub fn of(scene: &Scene) -> Option<Self> {
         let Sky::Texture { texture, color, turn } = scene.sky else { return None };
         let color = f64::from(color.element_sum()) / 3.0;
@@ -69,7 +69,7 @@ impl EnvironmentLight {
         let (width, height) = (texture.width as usize, texture.height as usize);
         let (columns, rows) =
             (texture.width.min(MAX_CELLS[0]) as usize, texture.height.min(MAX_CELLS[1]) as usize);
-        // The shares of a texel's light in the cells of the texel before, its own and the one after: bilinear
+        // The shares of a texel's light in the previous texel's cell, its own and the next one: bilinear
         // lookups blend between texel centres.
         let taps: &[(usize, f64)] = match texture.filter {
             Filter::Nearest => &[(1, 1.0)],
@@ -120,7 +120,7 @@ impl EnvironmentLight {
         4.0 * f64::from(PI_F32) * f64::from(PI_F32) * radius * radius * self.mean
     }
 
-    /// Returns its rows.
+    /// Returns the rows of the light.
     pub(super) fn light(&self) -> (LightRow, [f32; 8]) {
         let row = LightRow { kind: KindCode::Environment, ..LightRow::default() };
         (row, importance_everywhere(f64::from(PI_F32) * self.mean))

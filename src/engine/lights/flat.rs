@@ -1,5 +1,5 @@
-//! Flat lights: triangles, parallelograms of two triangles, and pieces of textured triangles. They are
-//! sampled uniformly in solid angle.
+//! Flat lights: triangles, parallelograms of two triangles, and pieces of textured triangles, sampled
+//! uniformly in solid angle.
 
 use super::choose::bounded_importance;
 use super::power::{BlockMeans, GRID};
@@ -12,26 +12,26 @@ use crate::scene::Triangle;
 use glam::{DVec2, DVec3, Vec2};
 use std::f32::consts::PI;
 
-/// A flat light before it is a row of the table.
+/// A flat light before it becomes a row of the table.
 #[derive(Clone, Copy)]
 pub(super) struct Flat {
     /// The first vertex, and the edges from there to the second and third.
     pub a: DVec3,
     pub ab: DVec3,
     pub ac: DVec3,
-    /// Whether it is the parallelogram that continues the triangle.
+    /// Whether the light is the parallelogram that continues the triangle.
     pub is_quad: bool,
 }
 
 impl Flat {
-    /// Returns a triangle as a light, or the parallelogram whose half it is: `vertex` is then the one
+    /// Returns a triangle as a light, or the parallelogram of which it is a half: `vertex` is then the one
     /// opposite the other half.
     pub fn new(triangle: &Triangle, vertex: Option<usize>) -> Self {
         let at = |index: usize| triangle.vertices[(vertex.unwrap_or(0) + index) % 3].as_dvec3();
         Self { a: at(0), ab: at(1) - at(0), ac: at(2) - at(0), is_quad: vertex.is_some() }
     }
 
-    /// Returns its rows, where it has this power.
+    /// Returns the rows of a light with this power.
     pub fn light(&self, power: f64) -> (LightRow, [f32; 8]) {
         let Self { a, ab, ac, is_quad } = *self;
         let kind = if is_quad { KindCode::Parallelogram } else { KindCode::Triangle };
@@ -85,8 +85,8 @@ impl<L: Lane> ChosenLight<L> {
 }
 
 impl Lights {
-    /// Returns the pdf with which light sampling at a ray's origin samples its direction, where the ray hits
-    /// a triangle: that of the light that the triangle is, is half of, or has a piece of at the hit. Only for
+    /// Returns the pdf with which light sampling at a ray's origin samples its direction, if the ray hits a
+    /// triangle: that of the light that the triangle is, is half of, or has a piece of at the hit. Only for
     /// the lanes of `mask`.
     #[inline(always)]
     pub fn triangle_pdf<L: Lane, const N: u32>(
@@ -159,7 +159,7 @@ struct SphericalTriangle<L: Lane> {
     volume: L,
     /// 1 + a·b, and a·c + b·c, of the `corners` a, b, c.
     sums: [L; 2],
-    /// In sr, at most 2π.
+    /// The solid angle in sr, at most 2π.
     solid_angle: L,
 }
 
@@ -183,14 +183,14 @@ impl<L: Lane> SphericalTriangle<L> {
             solid_angle: number(if_true.solid_angle, if_false.solid_angle),
         }
     }
-    /// Samples a direction of the triangle: `part`, of its solid angle, lies towards the arc from b to a, and
-    /// v runs from b to the arc from a to c.
+    /// Samples a direction of the triangle: the part `part` of its solid angle lies towards the arc from b to
+    /// a, and v runs from b to the arc from a to c.
     #[inline(always)]
     fn sample(&self, part: L, v: L) -> Vec3<L> {
         let [a, b, c] = self.corners;
         let [ab, rest] = self.sums;
-        // c' on the arc from a to c, so that the triangle a, b, c' has the solid angle `part`. With h halfway
-        // between a and c': tan(part / 2) = det(a, b, h) / (a·h + b·h), solved for h = α a + γ c.
+        // c' is on the arc from a to c, so that the triangle a, b, c' has the solid angle `part`. With h
+        // halfway between a and c': tan(part / 2) = det(a, b, h) / (a·h + b·h), solved for h = α a + γ c.
         let (sin, cos) = functions::sin_cos(L::splat(0.5) * part);
         let h = a * (rest.neg_mul_add(sin, self.volume * cos)) + c * (ab * sin);
         let corner = h * (L::splat(2.0) * a.dot(h) / h.dot(h)) - a;
@@ -205,8 +205,8 @@ impl<L: Lane> SphericalTriangle<L> {
     }
 }
 
-/// A flat light projected onto the unit sphere around the lit point: the triangle a, b, c, and behind its
-/// side from b to c that of a parallelogram, c, b, d.
+/// A flat light projected onto the unit sphere around the lit point: the triangle a, b, c, and for a
+/// parallelogram also the triangle c, b, d behind its side from b to c.
 ///
 /// Both triangles turn about b, so one number that runs through the first and then through the second
 /// maps the unit square continuously onto a parallelogram.
@@ -216,12 +216,12 @@ struct SphericalLight<L: Lane> {
     /// The plane's distance times the length of `normal`.
     height: L,
     first: SphericalTriangle<L>,
-    /// Of a solid angle of 0 in lanes with triangles.
+    /// The second triangle, with a solid angle of 0 in lanes with triangles.
     second: Option<SphericalTriangle<L>>,
     solid_angle: L,
 }
 
-/// Smaller lights are sampled by area: their solid angle has too few correct digits.
+/// Lights with a smaller solid angle are sampled by area: it has too few correct digits.
 const MIN_SOLID_ANGLE: f32 = 1e-3;
 
 impl<L: Lane> SphericalLight<L> {

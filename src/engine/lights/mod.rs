@@ -1,12 +1,11 @@
-//! The lights of next event estimation: which emitters are lights, which light is chosen, and a point on it.
+//! Next event estimation's lights: which emitters are lights, which light is chosen, and a point on it.
 //!
 //! A kind of light is a file: [`sphere`], [`flat`] (a triangle, a parallelogram of two, and a piece of a
+//! Each kind of light is a file: [`sphere`], [`flat`] (a triangle, a parallelogram of two, and a piece of a
 //! textured triangle), [`environment`]. Each has the power of its kind, its row of the table, *sample* and
-//! *pdf*. A new kind has a field of [`Kinds`]; the compiler then names every place that must know it.
 //!
 //! Shapes: `WIDTH` lit points with a light each; vectors of samples are relative to the lit point.
-//! Units: pdfs per solid angle, in 1/sr; 0 where the light cannot be sampled. Then only scattered rays find
-//! it.
+//! Units: pdfs per solid angle, in 1/sr; 0 if the light cannot be sampled. Then only scattered rays find it.
 //! Domain: u and v are uniform in [0, 1).
 
 mod alias_table;
@@ -31,7 +30,7 @@ use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
 
 choices! {
-    /// Which emitters next event estimation samples. Paths also hit emitters by scattering.
+    /// The emitters that next event estimation samples. Paths also hit emitters by scattering.
     pub enum LightChoice {
         #[default]
         Auto = "auto",
@@ -46,10 +45,10 @@ choices! {
 /// A sampled point of a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample<L: Lane> {
-    /// Unit vector towards the point.
+    /// The unit vector towards the point.
     pub wi: Vec3<L>,
-    /// Distance to the point, in scene units. Infinite for the environment, and for all lights where the hits
-    /// of shadow rays decide: see [`Lights::needs_hits`].
+    /// The distance to the point, in scene units. It is infinite for the environment, and for all lights if
+    /// the hits of shadow rays decide: see [`Lights::needs_hits`].
     pub t: L,
     /// The light's unit normal there, on the lit side; zero for the environment.
     pub n: Vec3<L>,
@@ -58,7 +57,7 @@ pub struct LightSample<L: Lane> {
 }
 
 impl<L: Lane> LightSample<L> {
-    /// Selects, lane by lane, one of two samples.
+    /// Selects one of two samples in each lane.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self {
@@ -105,7 +104,7 @@ impl Lights {
     }
 }
 
-/// Returns the pdf where it is finite and above 0; else 0.
+/// Returns the pdf if it is finite and above 0; else 0.
 #[inline(always)]
 fn valid_pdf<L: Lane>(pdf: L) -> L {
     pdf.only(L::zero().lt(pdf) & pdf.is_finite())

@@ -1,18 +1,18 @@
-//! Lights in the surface of another primitive: the same face twice, panels in a lamp's plane, equal spheres.
+//! Finds lights in the surface of another primitive: equal faces, panels in a light's plane, equal spheres.
 //!
-//! Elsewhere a shadow ray ends just before its light. Here other surfaces may lie between, within rounding,
-//! or take the light's place.
+//! Other shadow rays end just before their light. In an overlap other surfaces may lie between, within
+//! rounding, or take the light's place.
 
 use crate::math::EPSILON;
 use crate::scene::{Primitive, Scene, Triangle};
 use glam::DVec3;
 
-/// Surfaces closer than this share of the distance from which they are lit count as one: a few times the
-/// share of their length by which shadow rays end early.
+/// Surfaces count as one if their distance is below this share of the distance from which they are lit: a few
+/// times the share of their length by which shadow rays end early.
 const CLOSE: f64 = 1e-5;
-/// Overlaps that matter only from farther away than so many sizes of the light are ignored.
+/// Overlaps that matter only from farther away than this number of sizes of the light are ignored.
 const FAR: f64 = 1000.0;
-/// Pairs of boxes, and of primitives whose boxes are close, that are tested before an overlap is assumed.
+/// The number of pairs of boxes, and of close primitives, that are tested before an overlap is assumed.
 const MAX_PAIRS: [usize; 2] = [100_000_000, 1_000_000];
 
 /// Tests whether some light shares a piece of surface with another primitive. Edges and corners do not count.
@@ -23,7 +23,7 @@ pub(super) fn exist(scene: &Scene, is_light: impl Fn(usize) -> bool) -> bool {
     let rounding =
         |[lower, upper]: [DVec3; 2]| f64::from(EPSILON) * 16.0 * lower.abs().max(upper.abs()).max_element();
     let most = CLOSE * diagonal + 2.0 * rounding([lower, upper]);
-    // Along x, the lights in the order of their lower ends.
+    // The lights in the order of their lower ends along x.
     let mut lights: Vec<usize> = (0..boxes.len()).filter(|&number| is_light(number)).collect();
     lights.sort_by(|&one, &other| boxes[one][0].x.total_cmp(&boxes[other][0].x));
     let widest = lights.iter().map(|&light| boxes[light][1].x - boxes[light][0].x).fold(0.0, f64::max);
@@ -61,7 +61,7 @@ fn share_surface(scene: &Scene, pair: [usize; 2], within: f64) -> bool {
         [Primitive::Triangle(one), Primitive::Triangle(other)] => {
             covers(one, other, within) || covers(other, one, within)
         }
-        // They touch in a curve at most.
+        // These touch in a curve at most.
         [Primitive::Sphere(_), Primitive::Triangle(_)] | [Primitive::Triangle(_), Primitive::Sphere(_)] => {
             false
         }
@@ -76,7 +76,7 @@ fn covers(one: &Triangle, other: &Triangle, within: f64) -> bool {
     let perimeter = (b - a).length() + (c - b).length() + (a - c).length();
     let inradius = (b - a).cross(c - a).length() / perimeter;
     let margin = (4.0 * within).min(0.1 * inradius);
-    // What is left of the other one between two planes, and within the edges moved inwards.
+    // The rest of the other triangle between two planes, and within the edges moved inwards.
     let mut rest = other.vertices.map(|vertex| vertex.as_dvec3()).to_vec();
     clip(&mut rest, |point| within - (point - a).dot(n));
     clip(&mut rest, |point| within + (point - a).dot(n));

@@ -1,4 +1,4 @@
-//! Parallelograms among emissive triangles: two triangles that share an edge, as rectangular lights are
+//! Finds parallelograms among emissive triangles: two triangles that share an edge, as rectangular lights are
 //! modelled.
 
 use crate::rays::Kind;
@@ -15,13 +15,13 @@ pub(super) struct Half {
     pub corner: usize,
 }
 
-/// Relative to the largest coordinate: how far the fourth corner may lie from where the other three put it.
-/// Rounded corners of an exact parallelogram are off by up to 4 · 2⁻²⁴.
+/// The distance, relative to the largest coordinate, by which the fourth corner may miss its place by the
+/// other three. Rounded corners of an exact parallelogram are off by up to 4 · 2⁻²⁴.
 const TOLERANCE: f64 = 8.0 / 16_777_216.0;
-/// Edges are at least so many tolerances long: then areas and normals of both triangles agree.
+/// The least length of edges in tolerances, so that areas and normals of both triangles agree.
 const MIN_EDGE: f64 = 1e4;
 
-/// Most triangles at one edge that are tested as the other half.
+/// The largest number of triangles at one edge that are tested as the other half.
 const MAX_CANDIDATES: usize = 16;
 
 /// Returns, for each triangle with `power`, the other half of its parallelogram, if it has one. Triangles
@@ -57,7 +57,7 @@ pub(super) fn find(scene: &Scene, power: impl Fn(usize) -> f64) -> HashMap<usize
     halves
 }
 
-/// Returns the edge opposite a corner: the bits of its ends, in order.
+/// Returns the edge opposite a corner, as the bits of its ends in order.
 fn edge(triangle: &Triangle, corner: usize) -> [[u32; 3]; 2] {
     // Adding 0 turns −0 into 0.
     let bits = |vertex: usize| triangle.vertices[vertex % 3].to_array().map(|x| (x + 0.0).to_bits());

@@ -1,4 +1,4 @@
-//! Pieces of a textured triangle: where its texture is much brighter in places, each piece is a light.
+//! Splits textured triangles into pieces: if the texture is much brighter in places, each piece is a light.
 
 use super::flat::{Flat, blend, inside, sides};
 use super::power::Emitted;
@@ -8,20 +8,20 @@ use crate::rays::Kind;
 use crate::scene::Filter;
 use glam::DVec2;
 
-/// Most pieces of all triangles together, and along an edge of one.
+/// The largest number of pieces of all triangles together, and along an edge of one.
 const MAX_PIECES: usize = 1 << 16;
 const MAX_SIDE: usize = 16;
 /// From this ratio of the brightest piece to the mean on, sampling a triangle in pieces pays. Choosing among
-/// so many lights halves the speed of a small scene; at a ratio of 2 (a chessboard) the time to equal error
+/// that many lights halves the speed of a small scene; at a ratio of 2 (a chessboard) the time to equal error
 /// is the same, at 32 it is a thirteenth.
 const MIN_CONTRAST: f64 = 4.0;
 /// The least power of a piece, as a share of its triangle's mean: its points may have missed a bright texel.
 const MIN_POWER: f64 = 1.0 / 16.0;
-/// Points along each side of a piece at which its texture is read.
+/// The number of points along each side of a piece at which its texture is read.
 const GRID: usize = 4;
 
-/// Returns the number of pieces along an edge, where so many triangles may be sampled in pieces; 1 where they
-/// are too many.
+/// Returns the number of pieces along an edge if this number of triangles may be sampled in pieces; 1 if
+/// there are too many.
 pub(super) fn side(triangles: usize) -> usize {
     let mut side = MAX_SIDE;
     while triangles * side * side > MAX_PIECES {
@@ -51,9 +51,9 @@ impl Flat {
 }
 
 impl Emitted<'_> {
-    /// Returns the shares of a textured triangle's power that its pieces emit; `None` of other primitives,
-    /// and of triangles that are about as bright everywhere, or whose brightness depends on the level of
-    /// detail.
+    /// Returns the shares of a textured triangle's power that its pieces emit. Returns `None` for other
+    /// primitives, and for triangles that are about equally bright everywhere, or whose brightness depends on
+    /// the level of detail.
     pub(super) fn piece_shares(&self, number: usize, side: usize) -> Option<Vec<f64>> {
         let uvs = self.scene.uvs.get(number.checked_sub(self.scene.counts().first(Kind::Triangle))?)?;
         let material = &self.scene.materials[self.scene.primitive(number).material() as usize];
@@ -93,7 +93,7 @@ impl Lights {
         let last = side - L::one();
         let row = (v * side).floor().max(L::zero()).min(last);
         let column = (u * side).floor().max(L::zero()).min(last - row);
-        // Row r begins after r rows that are one shorter each.
+        // Row r begins after r rows, each one shorter than the one before.
         let before = row * L::splat(-0.5).mul_add(row - L::one(), side);
         let light = first.wrapping_add((before + column).truncate_to_int());
         self.fetch(L::Bits::select(mask, light, L::Bits::splat(0)), L::one(), false)

@@ -1,4 +1,4 @@
-//! The power of emitters, by which next event estimation chooses among them.
+//! Computes the power of emitters, by which next event estimation chooses among them.
 
 use super::{flat, sphere};
 use crate::buffers::mip_chain::halve;
@@ -7,10 +7,10 @@ use crate::scene::{Material, MaterialKind, Primitive, Scene, Sphere, Texture};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
 
-/// What the primitives of a scene emit.
+/// The emission of the primitives of a scene.
 pub(super) struct Emitted<'a> {
     pub(super) scene: &'a Scene,
-    /// By the index of a texture that multiplies emission.
+    /// The textures that multiply emission, by index.
     textures: HashMap<u32, BlockMeans<'a>>,
 }
 
@@ -25,7 +25,7 @@ impl<'a> Emitted<'a> {
         Self { scene, textures: used.into_iter().map(means).collect() }
     }
 
-    /// Returns the power that a primitive emits; 0 of a sphere around the camera, unless `surrounding` ones
+    /// Returns the power that a primitive emits; 0 for a sphere around the camera, unless `surrounding` ones
     /// count.
     pub(super) fn power(&self, number: usize, surrounding: bool) -> f64 {
         let unit_power = match self.scene.primitive(number) {
@@ -66,19 +66,19 @@ fn surrounds(scene: &Scene, sphere: &Sphere) -> bool {
     to.length() < f64::from(sphere.radius)
 }
 
-/// Returns the texture that multiplies a material's emission.
+/// Returns the index of the texture that multiplies a material's emission.
 fn emission_texture(material: &Material) -> Option<u32> {
     let of_emitter = material.texture.filter(|_| material.kind == MaterialKind::Emitter);
     material.emission_map.or(of_emitter)
 }
 
-/// Tests whether a texture multiplies what a primitive emits.
+/// Tests whether a texture multiplies a primitive's emission.
 pub(super) fn has_texture(scene: &Scene, number: usize) -> bool {
     emission_texture(&scene.materials[scene.primitive(number).material() as usize]).is_some()
 }
 
-/// Points along each side of a grid over a primitive at which its texture is read, and how many times as many
-/// along a side that has more texels.
+/// The number of points along each side of a grid over a primitive at which its texture is read, and the
+/// largest multiple of it along a side that has more texels.
 pub(super) const GRID: usize = 16;
 const MOST_FINER: f64 = 16.0;
 
@@ -88,8 +88,8 @@ fn grid([columns, rows]: [usize; 2]) -> impl Iterator<Item = DVec2> + Clone {
     (0..columns * rows).map(move |cell| center(cell) / DVec2::new(columns as f64, rows as f64))
 }
 
-/// A texture and the means of its blocks of 2, 4, 8 … texels a side: where points that read it are farther
-/// apart than texels, no bright texel lies between them.
+/// A texture and the means of its blocks of 2, 4, 8 … texels a side: if the points that read it are farther
+/// apart than texels, no bright texel is lost between them.
 pub(super) struct BlockMeans<'a> {
     pub(super) texture: &'a Texture,
     levels: Vec<([u32; 2], Vec<[f32; 3]>)>,
@@ -109,7 +109,7 @@ impl<'a> BlockMeans<'a> {
     }
 
     /// Returns how to read a parallelogram of texture coordinates with these sides: the level whose blocks
-    /// lie as close as the points, and the points in the unit square, `count` along each side or more along
+    /// are as close as the points, and the points in the unit square, `count` along each side or more along
     /// the longer.
     pub(super) fn points(
         &self,

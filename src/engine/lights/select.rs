@@ -10,12 +10,12 @@ use crate::math::MISS;
 use crate::scene::{Primitive, Scene, Triangle};
 use std::collections::HashMap;
 
-/// A light before it is in the table.
+/// A light before it enters the table.
 pub(super) struct Light {
     pub row: LightRow,
-    /// A row that [`super::choose`] weighs it by.
+    /// The row by which [`super::choose`] weighs the light.
     pub importance: [f32; 8],
-    /// The two primitives that it is, or twice the one that it is or is a piece of; [`MISS`] of the
+    /// The two primitives of the light, or twice the one that it is or is a piece of; [`MISS`] for the
     /// environment.
     pub primitives: [u32; 2],
     pub power: f64,
@@ -24,11 +24,11 @@ pub(super) struct Light {
 /// The lights of a scene.
 #[derive(Default)]
 pub(super) struct Selection {
-    /// In the order of their primitives; the environment is the last one.
+    /// The lights in the order of their primitives; the environment is the last one.
     pub lights: Vec<Light>,
     /// The power of all lights.
     pub total: f64,
-    /// See [`super::Lights`], as the fields below.
+    /// See [`super::Lights`] for this field and those below.
     pub halves: HashMap<usize, Half>,
     pub first_pieces: HashMap<usize, u32>,
     pub pieces_side: usize,
@@ -36,8 +36,8 @@ pub(super) struct Selection {
 }
 
 impl Selection {
-    /// Selects the lights of a scene. Unless all are wanted, a sphere around the camera is none; unless
-    /// chosen by power alone, triangles are merged into parallelograms and split into pieces.
+    /// Selects the lights of a scene. Unless all are wanted, a sphere around the camera is excluded; unless
+    /// lights are chosen only by power, triangles are merged into parallelograms and split into pieces.
     pub fn new(scene: &Scene, sky: Option<&EnvironmentLight>, choice: LightChoice) -> Self {
         let emitted = Emitted::by(scene);
         let power = |number: usize| emitted.power(number, choice == LightChoice::On);
@@ -94,7 +94,7 @@ impl Selection {
         let flat = Flat::new(triangle, half.map(|half| half.corner));
         let power = powers[number];
         match (half, shares) {
-            // The first half stands for both.
+            // The first half represents both.
             (Some(Half { partner, .. }), _) if partner < number => {}
             (Some(Half { partner, .. }), _) => {
                 let power = power + powers[partner];
@@ -111,7 +111,7 @@ impl Selection {
         }
     }
 
-    /// Adds a light that is these primitives, or a piece of one.
+    /// Adds a light that consists of these primitives, or is a piece of one.
     fn add(
         &mut self,
         scene: &Scene,

@@ -27,7 +27,7 @@ pub(super) fn sum_of_texels(texture: &BlockMeans) -> (DVec3, f64) {
     })
 }
 
-/// Returns its rows, where it has this power.
+/// Returns the rows of a sphere with this power.
 pub(super) fn light(sphere: &Sphere, power: f64) -> (LightRow, [f32; 8]) {
     let &Sphere { center, radius, .. } = sphere;
     let row = LightRow { kind: KindCode::Sphere, at: center, radius, ..LightRow::default() };
@@ -39,7 +39,7 @@ struct Cone<L: Lane> {
     /// The squared distance of the centre, and one over the distance.
     distance2: L,
     per_distance: L,
-    /// 1 − cos θ of its half angle; NaN from inside the sphere.
+    /// 1 − cos θ of the cone's half angle; NaN from inside the sphere.
     one_minus_cos: L,
 }
 
@@ -61,7 +61,7 @@ impl<L: Lane> Cone<L> {
     }
 }
 
-/// Returns the pdf of directions towards a sphere: one over its solid angle; 0 from inside it and on it.
+/// Returns the pdf of directions towards a sphere: one over its solid angle; 0 inside it and on it.
 ///
 /// Domain: a radius of at least 1e-15 distances.
 #[inline(always)]
@@ -70,7 +70,7 @@ pub fn pdf<L: Lane>(center: Vec3<L>, radius: L) -> L {
 }
 
 /// Samples a direction uniform in the cone that a sphere subtends, and the first point of the sphere there.
-/// The normal has unit length within 4 ε times the distance over the radius; of spheres more than 2²⁰ radii
+/// The normal has unit length within 4 ε times the distance over the radius; for spheres more than 2²⁰ radii
 /// away it is shorter, at most about 1.
 #[inline(always)]
 pub fn sample<L: Lane>(center: Vec3<L>, radius: L, u: L, v: L) -> LightSample<L> {

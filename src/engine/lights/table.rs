@@ -15,15 +15,15 @@ use std::collections::HashMap;
 /// The lights that next event estimation samples.
 ///
 /// Two triangles that make a parallelogram are one light; a triangle whose texture is much brighter in places
-/// is a light for each of its pieces. Each is chosen with a probability of its share of all power, but at
+/// is a light for each of its pieces. The probability of choosing a light is its share of all power, but at
 /// least `MIN_SHARE`.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
-    /// Two rows of eight a light: see [`LightRow`].
+    /// Two rows of eight per light: see [`LightRow`].
     rows: Rows,
     pub(super) alias_table: AliasTable,
-    /// What [`Lights::compare`] and [`Lights::resample`] weigh lights by, a row of eight each; empty if they
-    /// are chosen by power alone: one light, or more than [`Lights::MAX_COMPARED`] and at most `MAX_SHARED`.
+    /// The rows of eight by which [`Lights::compare`] and [`Lights::resample`] weigh lights; empty if lights
+    /// are chosen only by power: one light, or more than [`Lights::MAX_COMPARED`] and at most `MAX_SHARED`.
     pub(super) importance_rows: Rows,
     /// The probability of choosing the light that each primitive of the scene is or belongs to, spheres
     /// first; empty without lights.
@@ -34,29 +34,29 @@ pub struct Lights {
     halves: HashMap<usize, Half>,
     /// The light that is the first piece of each triangle sampled in pieces; the others follow.
     first_pieces: HashMap<usize, u32>,
-    /// Pieces along an edge of such a triangle.
+    /// The number of pieces along an edge of such a triangle.
     pub(super) pieces_side: usize,
-    /// The two primitives that each light is, or twice the one; only where [`Lights::needs_hits`].
+    /// The two primitives of each light, or twice the one; stored only if [`Lights::needs_hits`].
     primitives: Vec<u32>,
 }
 
-/// From this [`EnvironmentLight::contrast`] on it pays to sample the sky's bright regions.
+/// From this [`EnvironmentLight::contrast`] on, sampling the sky's bright regions pays.
 const MIN_CONTRAST: f64 = 2.0;
 
 /// The least probability of choosing a light, as a share of the average. Random numbers have 24 binary
 /// digits: a light that few or none of them choose is sampled more or less often than its probability, and
 /// only at some of its points. A light beside one 10⁹ times as bright would contribute 59 times its power
-/// (`tests/laws/choosing.rs`). Costs no more than this share of all shadow rays.
+/// (`tests/laws/choosing.rs`). The limit costs no more than this share of all shadow rays.
 const MIN_SHARE: f64 = 1.0 / 64.0;
 
 impl Lights {
-    /// Most lights whose rows fit the register form.
+    /// The largest number of lights whose rows fit the register form.
     pub const FEW: usize = Rows::FEW / 2;
-    /// Most lights for which the number that chooses a light has binary digits enough left for a point on it:
-    /// 18 on average, and 12 for a light of the least probability ([`MIN_SHARE`]).
+    /// The largest number of lights for which the number that chooses a light has enough binary digits left
+    /// for a point on it: 18 on average, and 12 for a light of the least probability ([`MIN_SHARE`]).
     pub(super) const MAX_SHARED: usize = 64;
-    /// Most lights that are compared one by one: 1.5 to 1.9 times less time to equal error in a room with 3
-    /// to 8 lights, and with 16 of them 0.9 (rough metal) to 1.35.
+    /// The largest number of lights that are compared one by one: 1.5 to 1.9 times less time to equal error
+    /// in a room with 3 to 8 lights, and with 16 of them 0.9 (rough metal) to 1.35.
     pub const MAX_COMPARED: usize = Rows::FEW;
 
     /// Builds the table of the lights of a scene that the choice selects.
@@ -72,7 +72,7 @@ impl Lights {
             return Self::default();
         }
         let shares = raised_shares(lights.iter().map(|light| light.power / total).collect());
-        // The last one is the environment's.
+        // The last one belongs to the environment.
         let mut probabilities = vec![0.0; scene.primitives() + 1];
         for (light, &share) in lights.iter().zip(&shares) {
             let [first, second] = light.primitives.map(|number| scene.primitives().min(number as usize));
@@ -87,7 +87,7 @@ impl Lights {
         Self {
             importance_rows: Rows::new(important.map(|light| light.importance)),
             primitives: identified.flat_map(|light| light.primitives).collect(),
-            // What a light emits is known when a shadow ray has hit it.
+            // If hits decide, the emission of a light is known only when a shadow ray has hit it.
             rows: Rows::new(lights.iter().zip(&shares).flat_map(|(light, &share)| match needs_hits {
                 true => LightRow { emission: Vec3::ONE, ..light.row }.pack(share as f32),
                 false => light.row.pack(share as f32),
@@ -110,26 +110,26 @@ impl Lights {
             (None, None) => SampledAs::Nothing,
         }
     }
-    /// Tests whether shadow rays need the closest hit, and not only whether something is in their way: what
-    /// they hit then decides what they add. This is so where a light has a texture, or lies in the surface of
-    /// another primitive.
+    /// Tests whether shadow rays need the closest hit, and not only whether they are occluded: the hit then
+    /// decides their contribution. This is true if a light has a texture, or lies in the surface of another
+    /// primitive.
     pub fn needs_hits(&self) -> bool {
         !self.primitives.is_empty()
     }
-    /// Tests whether each primitive is one of its lane's light; [`math::MISS`] is that of the environment.
+    /// Tests whether each primitive is one of its lane's light; [`math::MISS`] represents the environment.
     /// Domain: [`Lights::needs_hits`].
     pub fn is_primitive_of_light<L: Lane>(&self, primitive: L::Bits, light: L::Bits) -> L::Mask {
         let first = light.shl(1);
         let [one, other] = [first, first | L::Bits::splat(1)].map(|at| L::gather_bits(&self.primitives, at));
         primitive.equals(one) | primitive.equals(other)
     }
-    /// Tests whether [`Lights::compare`] or [`Lights::resample`] chooses among them, and not
+    /// Tests whether [`Lights::compare`] or [`Lights::resample`] chooses among the lights, and not
     /// [`Lights::choose_by_power`].
     #[inline(always)]
     pub fn are_chosen_by_irradiance(&self) -> bool {
         !self.importance_rows.is_empty()
     }
-    /// Returns the features that sampling them needs of a pipeline.
+    /// Returns the features that sampling the lights needs of a pipeline.
     pub fn needs(&self) -> Features {
         match self.len() {
             0 => Features::NONE,
@@ -167,7 +167,7 @@ fn anything_scatters(scene: &Scene) -> bool {
     })
 }
 
-/// The kind of a light, as its row has it.
+/// The kind of a light, as stored in its row.
 #[derive(Clone, Copy, Default)]
 pub(super) enum KindCode {
     Sphere,
@@ -177,7 +177,7 @@ pub(super) enum KindCode {
     Environment,
 }
 
-/// A light of the table, but for its probability. [`ChosenLight`] explains the fields.
+/// A light of the table without its probability. [`ChosenLight`] explains the fields.
 #[derive(Clone, Copy, Default)]
 pub(super) struct LightRow {
     pub kind: KindCode,
@@ -202,36 +202,36 @@ impl LightRow {
 /// The lanes of each kind of light. Code that differs by kind names every field, so that the compiler finds
 /// it when a kind is added.
 pub struct Kinds<L: Lane> {
-    /// Lanes with spheres.
+    /// The lanes with spheres.
     pub sphere: L::Mask,
-    /// Lanes with triangles, parallelograms and pieces.
+    /// The lanes with triangles, parallelograms and pieces.
     pub flat: L::Mask,
-    /// Lanes with the environment.
+    /// The lanes with the environment.
     pub environment: L::Mask,
 }
 
 /// A light for each lane.
 pub struct ChosenLight<L: Lane> {
-    /// Its index.
+    /// The index of the light.
     pub index: L::Bits,
-    /// What it is.
+    /// The kind of the light.
     pub kinds: Kinds<L>,
-    /// Centre of a sphere, first vertex of a flat light.
+    /// The centre of a sphere, or the first vertex of a flat light.
     pub at: math::Vec3<L>,
-    /// Radius of a sphere.
+    /// The radius of a sphere.
     pub radius: L,
-    /// Of a flat light, the edges to the second vertex and to the third.
+    /// The edges of a flat light to the second vertex and to the third.
     pub edges: [math::Vec3<L>; 2],
     /// The lanes of flat lights that are the parallelogram which continues the triangle.
     pub is_quad: L::Mask,
-    /// Radiance of the light; 1 where [`Lights::needs_hits`]. 0 of the environment, which has its own.
+    /// The radiance of the light; 1 if [`Lights::needs_hits`]; 0 for the environment, which has its own.
     pub emission: math::Vec3<L>,
     /// The light's error bound: shadow rays end at this distance from its surface.
     pub offset: L,
-    /// The probability of choosing it by power.
+    /// The probability of choosing the light by power.
     pub probability: L,
-    /// Factor of its contribution: 1 if it was chosen by power, else the probability by power over that by
-    /// irradiance.
+    /// The factor of the light's contribution: 1 if it was chosen by power, else the probability by power
+    /// over that by irradiance.
     pub weight: L,
 }
 

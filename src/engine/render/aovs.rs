@@ -1,4 +1,4 @@
-//! AOVs and heat maps: feature buffers of the scene, traversal cost, and path lengths, by pixel.
+//! Renders AOVs and heat maps: feature buffers of the scene, traversal cost, and path lengths, by pixel.
 
 use super::Renderer;
 use crate::camera::Tile;
@@ -13,17 +13,17 @@ pub use crate::film::Map;
 pub use crate::integrate::cost::Cost;
 
 impl Renderer {
-    /// The AOVs of the surface at the centre of every pixel.
+    /// Computes the AOVs of the surface at the centre of every pixel.
     pub fn aovs_into(&self, aovs: &mut Aovs) {
         aovs.resize(self.settings.resolution);
         let (length, rows) = aovs.rows();
         self.each_row(rows, length, |y, row, scratch| aovs::render_row(&self.context, y, row, scratch));
     }
 
-    /// The denoiser's AOVs; `first` are those of [`Renderer::aovs_into`] for the same camera.
+    /// Computes the denoiser's AOVs; `first` are those of [`Renderer::aovs_into`] for the same camera.
     ///
     /// # Panics
-    /// If `first` is of another resolution.
+    /// If `first` has another resolution.
     pub fn denoiser_aovs_into(&self, first: &Aovs, aovs: &mut DenoiserAovs) {
         assert_eq!(first.resolution(), self.settings.resolution, "AOVs of another resolution");
         let DenoiserAovs { centers, edges } = aovs;
@@ -38,7 +38,7 @@ impl Renderer {
         });
     }
 
-    /// The traversal cost of the ray through the centre of each pixel, traced by itself.
+    /// Computes the traversal cost of the ray through the centre of each pixel, traced by itself.
     pub fn costs_into(&self, costs: &mut Map<Cost>) {
         costs.resize(self.settings.resolution);
         let width = costs.width as usize;
@@ -62,8 +62,8 @@ impl Renderer {
         }
     }
 
-    /// The path lengths of one sample, traced in packets of [`super::Settings::lanes`], each tile alone:
-    /// frames have fuller packets after two bounces, where tiles go on together.
+    /// Computes the path lengths of one sample, traced in packets of [`super::Settings::lanes`], each tile
+    /// alone: frames have fuller packets after two bounces, because tiles continue together.
     pub fn path_shapes_into(&self, sample: u32, shapes: &mut Map<PathShape>) {
         shapes.resize(self.settings.resolution);
         let width = shapes.width as usize;

@@ -34,22 +34,22 @@ pub fn features_of(scene: &Scene) -> Features {
     if scene.counts().list_cost() > MAX_LIST_COST { Features::HIERARCHY } else { Features::NONE }
 }
 
-/// The methods of a rendering. The defaults are robust: they hold where others fail.
+/// The methods of a rendering. The defaults are robust: they work where others fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Methods {
-    /// How rays meet spheres.
+    /// The intersection test of spheres.
     pub sphere: SphereChoice,
-    /// How rays meet triangles.
+    /// The intersection test of triangles.
     pub triangle: TriangleChoice,
-    /// How rays find primitives.
+    /// The search for the primitives that rays hit.
     pub traversal: TraversalChoice,
-    /// Which lights are sampled.
+    /// The lights that are sampled.
     pub lights: LightChoice,
-    /// Where sample values come from.
+    /// The source of sample values.
     pub sampler: Sampler,
 }
 
-/// How rays find the primitives that they hit.
+/// The ways in which rays find the primitives that they hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum TraversalChoice {
     /// Linear in small scenes, else the fastest traversal: see [`Features::HIERARCHY`].
@@ -57,13 +57,13 @@ pub enum TraversalChoice {
     Auto,
     /// Every primitive is tested.
     Linear,
-    /// Through a hierarchy. With a sphere or triangle method that is not robust, [`Traversal::Stream`]
-    /// stands for every traversal.
+    /// Through a hierarchy; at a width of 1 always [`Traversal::Scalar`]. Methods that are not robust have a
+    /// traversal of their own, which is reported as [`Traversal::Stream`].
     Through(Traversal),
 }
 
 impl TraversalChoice {
-    /// `auto` and `linear`, then every traversal.
+    /// The values `auto` and `linear`, then every traversal.
     const ALL: [Self; 2 + Traversal::ALL.len()] = {
         let mut all = [Self::Auto; 2 + Traversal::ALL.len()];
         all[1] = Self::Linear;
@@ -128,7 +128,7 @@ impl Choice for TraversalChoice {
 serde_by_name!(TraversalChoice);
 
 impl Methods {
-    /// Builds the structure of a scene for packets of `lanes` rays. Shadow rays run to `lights`. Without
+    /// Builds the structure of a scene for packets of `lanes` rays. Shadow rays end at `lights`. Without
     /// `tests`, the robust methods test the primitives.
     pub fn structure(
         &self,
@@ -144,15 +144,15 @@ impl Methods {
             (Some(_), Some(tests)) => Structure::tree_with(geometry, tests, lanes),
             (None, Some(tests)) => Structure::list_with(geometry, tests, lanes),
         };
-        // The sky lies behind all walls, and with vertex normals, rays start above the triangles.
+        // The sky lies behind all walls; with vertex normals, rays start above the triangles.
         let has_targets = !lights.is_empty() && lights.sky.is_none() && scene.normals.is_empty();
         match has_targets {
             true => structure.with_targets(geometry, |number| lights.probabilities[number] > 0.0),
             false => structure,
         }
     }
-    /// The traversal of a scene's hierarchy at a width of 1, or of 8 and more; `None` where every primitive
-    /// is tested.
+    /// Returns the traversal of a scene's hierarchy at a width of 1, or of 8 and more; `None` if every
+    /// primitive is tested.
     pub fn traversal_of(&self, scene: &Scene, lanes: usize) -> Option<Traversal> {
         let default = match lanes {
             _ if !self.are_robust() => Traversal::Stream,
@@ -166,11 +166,11 @@ impl Methods {
             TraversalChoice::Through(traversal) => Some(traversal),
         }
     }
-    /// The name of [`Methods::traversal_of`]: `linear` where every primitive is tested.
+    /// Returns the name of [`Methods::traversal_of`]: `linear` if every primitive is tested.
     pub fn traversal_name(&self, scene: &Scene, lanes: usize) -> &'static str {
         self.traversal_of(scene, lanes).map_or(TraversalChoice::Linear, TraversalChoice::Through).name()
     }
-    /// Returns whether both intersection methods are the robust ones, which claim hits only within rounding
+    /// Tests whether both intersection methods are the robust ones, which claim hits only within rounding
     /// error of the primitive. The others do not: from a distance, naive spheres are hit at several times
     /// their radius, and slivers far off their edges.
     pub fn are_robust(&self) -> bool {

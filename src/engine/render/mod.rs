@@ -1,4 +1,4 @@
-//! Renders a scene into a film: tiles as rayon jobs.
+//! Renders a scene into a film, with tiles as rayon jobs.
 
 pub mod aovs;
 mod methods;
@@ -23,15 +23,15 @@ use crate::threads::Threads;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Limit on primitives times tiles for which [`Candidates`] are found: some tens of milliseconds. With
-/// more, linear traversal is too slow to render with anyway.
+/// The largest product of primitives and tiles for which [`Candidates`] are found: some tens of milliseconds.
+/// With more, linear traversal is too slow to render with anyway.
 const MAX_CULLING_TESTS: usize = 4_000_000;
-/// Limit on primitives for which they are found again for every frame of a moving camera. Finding them takes
-/// 1 to 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.
+/// The largest number of primitives for which they are found again for every frame of a moving camera. This
+/// takes 1 to 4 % of a frame of one sample, and saves 0 to 25 % of it, more for larger pictures.
 const MAX_CULLED_MOVING: usize = 256;
 
-/// Finds the primitives that each tile's primary rays can hit; empty where that is unknown, or where there
-/// are more primitives than [`MAX_CULLING_TESTS`] allows.
+/// Finds the primitives that each tile's primary rays can hit; leaves `visible` empty if there are more
+/// primitives than [`MAX_CULLING_TESTS`] allows.
 fn find_visible(visible: &mut Vec<Candidates>, geometry: &Geometry, camera: &Pinhole, settings: &Settings) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
     let (primitives, count) = (geometry.len(), tiles().count());
@@ -45,7 +45,7 @@ fn find_visible(visible: &mut Vec<Candidates>, geometry: &Geometry, camera: &Pin
     }
 }
 
-/// A picture has so many parts for each thread, if it has so many tiles: then none waits long for the last.
+/// The number of parts of a picture per thread, if it has enough tiles: no thread waits long for the last.
 const PARTS_PER_THREAD: usize = 16;
 
 fn check_resolution(resolution: [u32; 2]) {
@@ -60,25 +60,25 @@ pub struct PrimaryHit {
     pub x: u32,
     /// The pixel's row.
     pub y: u32,
-    /// Where the ray begins.
+    /// The origin of the ray.
     pub origin: [f32; 3],
     /// The ray's direction, of unit length.
     pub direction: [f32; 3],
-    /// Infinite for a miss.
+    /// The distance, infinite for a miss.
     pub t: f32,
-    /// [`crate::math::MISS`] for a miss.
+    /// The index of the primitive, [`crate::math::MISS`] for a miss.
     pub primitive: u32,
-    /// Barycentric weights of a triangle's second and third vertex; 0 elsewhere.
+    /// The barycentric weights of a triangle's second and third vertex; 0 elsewhere.
     pub weights: [f32; 2],
 }
 
-/// Observes progress and cancels rendering. Called from all threads at once. `()` observes nothing and never
-/// cancels.
+/// Observes progress and cancels rendering. Its methods are called from all threads at once. `()` observes
+/// nothing and never cancels.
 pub trait RenderObserver: Sync {
-    /// Called before each sample of a tile, or of several that are traced together; no more samples are taken
-    /// where it is true.
+    /// Tests whether to stop. Called before each sample of a tile, or of several that are traced together;
+    /// once it returns true, no more samples are taken.
     fn is_cancelled(&self) -> bool;
-    /// Called after each such sample with its number of pixels and of rays.
+    /// Called after each such sample with the number of its pixels and of its rays.
     fn sample_done(&self, pixels: usize, rays: u64);
 }
 
@@ -92,7 +92,7 @@ impl RenderObserver for () {
 /// A scene prepared for rendering, and the threads that render it.
 pub struct Renderer {
     settings: Settings,
-    /// The geometry, where candidates are found again for every camera: see [`MAX_CULLED_MOVING`].
+    /// The geometry, if candidates are found again for every camera: see [`MAX_CULLED_MOVING`].
     geometry: Option<Geometry>,
     context: TraceContext,
     features: Features,
@@ -109,11 +109,11 @@ impl Renderer {
     pub fn new(scene: &Scene, settings: Settings) -> Self {
         Self::with_tests(scene, settings, None)
     }
-    /// Returns [`Renderer::new`] with the tests of the settings' intersection methods, which are `None` for
-    /// the robust methods alone. The engine has no others: `octray_laboratory::methods::renderer` has.
+    /// Creates a renderer with the tests of the settings' intersection methods, or `None` for the robust
+    /// methods. The engine has no others; `octray_laboratory::methods::renderer` has.
     ///
     /// # Panics
-    /// As [`Renderer::new`]; and if there are tests although the methods are robust.
+    /// In the cases of [`Renderer::new`], and if there are tests although the methods are robust.
     pub fn with_tests(scene: &Scene, settings: Settings, tests: Option<Arc<dyn PrimitiveTests>>) -> Self {
         let Settings { resolution, tile_size, lanes, threads, .. } = settings;
         check_resolution(resolution);
@@ -156,11 +156,11 @@ impl Renderer {
         let threads = Threads::new(threads, Scratch::new);
         Self { settings, geometry: is_kept.then_some(geometry), context, features, pipeline, threads }
     }
-    /// The settings of the rendering.
+    /// Returns the settings of the rendering.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
-    /// Changes the seed: for pictures that differ in nothing but their random numbers.
+    /// Changes the seed, for pictures that differ only in their random numbers.
     pub fn set_seed(&mut self, seed: u32) {
         self.settings.seed = seed;
         self.context.seed = seed;
@@ -170,8 +170,8 @@ impl Renderer {
         self.settings.max_bounces = max_bounces;
         self.context.max_bounces = max_bounces;
     }
-    /// Changes camera, resolution and number of bounces. Earlier films fit only where the
-    /// resolution is the same.
+    /// Changes camera, resolution and number of bounces. Earlier films fit only if the resolution is the
+    /// same.
     ///
     /// # Panics
     /// If the resolution is outside its documented range.
@@ -189,32 +189,32 @@ impl Renderer {
             None => context.visible.clear(),
         }
     }
-    /// The camera, prepared.
+    /// Returns the prepared camera.
     pub fn camera(&self) -> &Pinhole {
         &self.context.camera
     }
-    /// The features that the pipeline is compiled with: those that the scene needs, or more.
+    /// Returns the features that the pipeline is compiled with: those that the scene needs, or more.
     pub fn features(&self) -> Features {
         self.features
     }
-    /// The features that the scene needs.
+    /// Returns the features that the scene needs.
     pub fn needs(&self) -> Features {
         self.context.buffers.needs
     }
-    /// An empty film for this renderer's resolution.
+    /// Returns an empty film of this renderer's resolution.
     pub fn film(&self) -> Film {
         Film::new(self.settings.resolution, self.settings.tile_size)
     }
-    /// An empty film that also estimates the variance of its samples, as [`crate::adaptive`] needs it.
+    /// Returns an empty film that also estimates the variance of its samples, for [`crate::adaptive`].
     pub fn film_with_noise(&self) -> Film {
         self.film().with_noise()
     }
-    /// Runs `run` on the renderer's threads. Around many calls of [`Renderer::add_samples`], it saves waking
+    /// Calls `run` on the renderer's threads. One call around many of [`Renderer::add_samples`] saves waking
     /// the threads for each.
     pub fn on_threads<R: Send>(&self, run: impl FnOnce() -> R + Send) -> R {
         self.threads.run(run)
     }
-    /// Runs `run` on the renderer's threads with mutable access to the renderer. It occupies one of the
+    /// Calls `run` on the renderer's threads with mutable access to the renderer. It occupies one of the
     /// threads, which takes its share of the work that `run` starts.
     pub fn hold<R: Send>(&mut self, run: impl FnOnce(&mut Self) -> R + Send) -> R {
         self.threads.handle().run(|| run(self))
@@ -234,8 +234,8 @@ impl Renderer {
         self.add_samples_observed(film, samples, &());
     }
     /// Takes samples until every pixel has `samples` more than [`Film::samples`], unless `observer` cancels.
-    /// Then tiles differ in their numbers of samples, all of them whole: a pixel has the bits that its own
-    /// number of samples gives in any other film.
+    /// After cancellation tiles differ in their numbers of whole samples; each pixel has the bits that its
+    /// own number of samples gives in any other film.
     pub fn add_samples_observed(&self, film: &mut Film, samples: u32, observer: &dyn RenderObserver) {
         let goal = film.samples() + samples;
         self.sample_tiles_to(film, |_, _| goal, observer);
@@ -257,7 +257,7 @@ impl Renderer {
         };
     }
 
-    /// The primary rays of one sample of every pixel, and what they hit, tile by tile.
+    /// Returns the primary rays of one sample of every pixel, and their hits, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut scratch = Scratch::new();
         let ranges = self.context.buffers.ranges;
@@ -286,13 +286,13 @@ impl Renderer {
         Tile::cover(self.settings.resolution, self.settings.tile_size).flat_map(of_tile).collect()
     }
 
-    /// The path of one sample of a pixel of the picture, by the scalar integrator.
+    /// Returns the path of one sample of a pixel of the picture, traced by the scalar integrator.
     pub fn path(&mut self, pixel: [u32; 2], sample: u32) -> Vec<PathVertex<f32>> {
         trace_path(&mut self.context, pixel, sample)
     }
 
     /// Takes samples until each of up to [`MAX_TILES`] tiles has `goal` of them, and returns the number of
-    /// rays. Neighbours in this order that have and want as many are traced together.
+    /// rays. Neighbours in this order with equal numbers and goals are traced together.
     fn add_to_tiles(
         &self,
         tiles: &mut [TileSums],
@@ -305,7 +305,7 @@ impl Renderer {
         runs.map(|tiles| self.add_together(tiles, goal(&tiles[0]), observer)).sum()
     }
 
-    /// The same for tiles with as many samples.
+    /// Takes the samples of tiles with equal numbers of samples; returns the number of rays.
     fn add_together(&self, tiles: &mut [TileSums], goal: u32, observer: &dyn RenderObserver) -> u64 {
         let mut scratch = self.threads.local();
         let mut traced = [tiles[0].tile; MAX_TILES];

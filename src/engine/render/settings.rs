@@ -1,4 +1,4 @@
-//! What decides a picture besides its scene.
+//! The settings that define a picture besides its scene.
 
 use super::Methods;
 use crate::choice::choices;
@@ -6,8 +6,8 @@ use crate::lane::NATIVE_WIDTH;
 use crate::scene::Scene;
 
 choices! {
-    /// Which of the pipelines in [`crate::integrate`] renders a scene. The general one measures and tests the
-    /// gain of leaving features out.
+    /// The pipeline in [`crate::integrate`] that renders a scene. The general one serves to measure and test
+    /// the gain of leaving features out.
     pub enum PipelineChoice {
         #[default]
         Auto = "auto", "The pipeline compiled for the smallest set of features that holds the scene's.";
@@ -16,7 +16,7 @@ choices! {
 }
 
 choices! {
-    /// Rays traced at a time.
+    /// The number of rays traced at a time.
     pub enum LaneChoice {
         #[default]
         Auto = "auto", "The width that measured fastest: 16 with AVX-512, else 8.";
@@ -27,9 +27,9 @@ choices! {
 }
 
 impl LaneChoice {
-    /// Rays of a packet.
+    /// Returns the number of rays of a packet.
     ///
-    /// Measured with AVX-512: 16 lanes are 1.1 to 1.6 times as fast as 8 where every primitive is tested, and
+    /// Measured with AVX-512: 16 lanes are 1.1 to 1.6 times as fast as 8 if every primitive is tested, and
     /// 1.03 to 1.06 times with a hierarchy, whose traversals have widths of their own.
     pub fn lanes(self) -> usize {
         match self {
@@ -41,34 +41,34 @@ impl LaneChoice {
     }
 }
 
-/// The settings of a picture. `lanes`, `threads`, `tile_size` and `pipeline` change how it is computed and no
-/// bit of it (but tiles are the blocks of adaptive sampling, [`crate::adaptive`]).
+/// The settings of a picture. `lanes`, `threads`, `tile_size` and `pipeline` change its computation and no
+/// bit of it (except that tiles are the blocks of adaptive sampling, [`crate::adaptive`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Pixels: width, height.
+    /// The width and height in pixels.
     pub resolution: [u32; 2],
-    /// Scattering events allowed on a path.
+    /// The number of scattering events allowed on a path.
     pub max_bounces: u32,
-    /// Seed of the random numbers.
+    /// The seed of the random numbers.
     pub seed: u32,
-    /// Intersection, traversal, lights and sampler.
+    /// The methods of intersection, traversal and sampling.
     pub methods: Methods,
-    /// One of [`WIDTHS`](crate::lane::WIDTHS): see [`LaneChoice`].
+    /// The number of lanes, one of [`WIDTHS`](crate::lane::WIDTHS): see [`LaneChoice`].
     pub lanes: usize,
-    /// Worker threads, at least 1.
+    /// The number of worker threads, at least 1.
     pub threads: usize,
-    /// Pixels of a tile: width, height; their product is at most [`crate::camera::MAX_PIXELS`].
+    /// The width and height of a tile in pixels; at most [`crate::camera::MAX_PIXELS`] pixels in all.
     pub tile_size: [u32; 2],
-    /// What the pipeline is compiled for: the film is the same.
+    /// The choice of the pipeline: the film is the same.
     pub pipeline: PipelineChoice,
-    /// The most radiance of a sample in a channel; infinite, the default, is no limit. Clamping is biased:
-    /// the picture is darker than ground truth by what it cuts off.
+    /// The largest radiance of a sample in a channel; infinite, the default, means no limit. Clamping is
+    /// biased: the picture is darker than ground truth by the radiance that is cut off.
     pub clamp: f32,
 }
 
 impl Settings {
-    /// The scene's own resolution and bounces, the default methods, the machine's widest packets, and one
-    /// thread.
+    /// Returns the scene's own resolution and bounces, the default methods, the machine's widest packets, and
+    /// one thread.
     pub fn of(scene: &Scene) -> Self {
         Self {
             resolution: scene.resolution,
@@ -82,6 +82,6 @@ impl Settings {
             clamp: f32::INFINITY,
         }
     }
-    /// Rows of whole packets, and a queue that stays in the first-level cache.
+    /// The default size: rows of whole packets, and a queue that stays in the first-level cache.
     pub const TILE_SIZE: [u32; 2] = [16, 16];
 }

@@ -1,20 +1,20 @@
-//! The digital shifts of the pixels in the first dimensions of a path: neighbours get shifts that differ as
-//! the points of a net do, so that their errors cancel in a blur (blue noise).
+//! The digital shifts of the pixels in the first dimensions of a path: shifts of neighbours differ like the
+//! points of a net, so that their errors cancel in a blur (blue noise).
 //!
 //! # Construction
 //! The pixels of a square of [`SIZE`]² are numbered along a Z-order curve whose quadrants are permuted at
-//! random at every level. Pixel number i gets the Sobol point i as its shift. So in every aligned block of 2ᵏ
-//! × 2ᵏ pixels the same sample's points are a (0, 2k, 2)-net: what is left of a block's error after a blur is
-//! the error of a net of that many points (A. Ahmed, P. Wonka, "Screen-Space Blue-Noise Diffusion of Monte
-//! Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020).
+//! random at every level. Pixel number i gets the Sobol point i as its shift. In every aligned block of 2ᵏ ×
+//! 2ᵏ pixels the same sample's points are therefore a (0, 2k, 2)-net: a block's error after a blur is the
+//! error of a net of that many points (A. Ahmed, P. Wonka, "Screen-Space Blue-Noise Diffusion of Monte Carlo
+//! Sampling Error via Hierarchical Ordering of Pixels", 2020).
 //!
 //! After 2ʲ samples the first digits of the shift no longer matter: the points of a pixel hold every
-//! combination of them. What matters are the digits behind them, so those must spread over neighbours as
-//! well. A triangular digit scrambling (`POLYNOMIALS`), which keeps the net property (J. Matoušek 1998),
-//! takes the digits that change from pixel to pixel into all later ones. The variance of the mean over 4 × 4
-//! pixels is below that of independent shifts by a factor of 660, 170, 59, 20, 4.6 for a smooth function at
-//! 1, 2, 4, 8, 16 samples (without the scrambling 20, 6.0, 1.6, 0.4, 0.1), and of 12, 5.0, 4.4, 2.4, 1.7 for
-//! an edge (5.5, 2.0, 1.7, 1.0, 0.6).
+//! combination of them. The digits behind them matter, so these must spread over neighbours as well. A
+//! triangular digit scrambling (`POLYNOMIALS`), which keeps the net property (J. Matoušek 1998), takes the
+//! digits that change from pixel to pixel into all later ones. The variance of the mean over 4 × 4 pixels is
+//! below that of independent shifts by a factor of 660, 170, 59, 20, 4.6 for a smooth function at 1, 2, 4, 8,
+//! 16 samples (without the scrambling 20, 6.0, 1.6, 0.4, 0.1), and of 12, 5.0, 4.4, 2.4, 1.7 for an edge
+//! (5.5, 2.0, 1.7, 1.0, 0.6).
 //!
 //! All pairs of dimensions read one table, each at an offset of its own: quadrants are permuted at random, so
 //! the table's values at an offset have nothing in common with those without it. The table repeats after
@@ -26,50 +26,50 @@ use super::sobol::second_dimension;
 use crate::lane::{Bits, Lane};
 use std::sync::LazyLock;
 
-/// Pixels after which shifts repeat, in both directions; a power of two.
+/// The number of pixels after which shifts repeat, in both directions; a power of two.
 pub const SIZE: u32 = 128;
-/// Digits of a pixel's number in the square.
+/// The number of digits of a pixel's number in the square.
 const DIGITS: u32 = 2 * SIZE.ilog2();
-/// Columns of a strip. The table is stored strip by strip, each row by row, so that the pixels of a block lie
-/// in one piece.
+/// The columns of a strip. The table is stored strip by strip, each row by row, so that the pixels of a block
+/// are contiguous.
 pub const STRIP: u32 = 4;
-/// From one strip to the next: behind each are the rows of the next period that the widest packet, of sixteen
-/// pixels, reaches.
+/// The distance from one strip to the next: behind each are the rows of the next period that the widest
+/// packet, of sixteen pixels, reaches.
 const STRIDE: u32 = STRIP * (SIZE + 16 / STRIP);
 const LENGTH: usize = (SIZE / STRIP * STRIDE) as usize;
 
-/// The triangular scrambling of each dimension: bit j is the share that the digit j places before has. Of 60
-/// random pairs the one with the smallest errors of blocks of 4 × 4 and 2 × 2 pixels, for a smooth function,
-/// an edge and a disc, at 1 to 16 samples.
+/// The triangular scrambling of each dimension: bit j is the share that the digit j places before has. They
+/// are the pair, of 60 random ones, with the smallest errors of blocks of 4 × 4 and 2 × 2 pixels, for a
+/// smooth function, an edge and a disc, at 1 to 16 samples.
 const POLYNOMIALS: [u32; 2] = [0x8a4d_058b, 0x02c9_3a6b];
 
-/// The shifts of all pixels: the upper half of a word is that of the pair's first dimension, the lower half
-/// that of its second.
+/// The shifts of all pixels: the upper half of a word is the shift of the pair's first dimension, the lower
+/// half that of its second.
 #[derive(Debug)]
 #[repr(align(64))]
 pub struct Shifts([u32; LENGTH]);
 
 static SHIFTS: LazyLock<Box<Shifts>> = LazyLock::new(table);
 
-/// The table, made once.
+/// Returns the table, which is computed once.
 pub fn shifts() -> &'static Shifts {
     &SHIFTS
 }
 
-/// Where the pixels of a packet are in the picture.
+/// The coordinates of a packet's pixels in the picture.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // The variants' text explains their fields.
 pub enum PixelCoordinates<L: Lane> {
-    /// From (x, y) on, rows of [`STRIP`] pixels below each other. Domain: x is a multiple of [`STRIP`], or
+    /// Rows of [`STRIP`] pixels below each other, from (x, y) on. Domain: x is a multiple of [`STRIP`], or
     /// there is one lane.
     Block { x: u32, y: u32 },
-    /// Columns and rows.
+    /// Any columns and rows.
     Any { x: L::Bits, y: L::Bits },
 }
 
 impl<L: Lane> PixelCoordinates<L> {
-    /// The shifts of the pixels in the pair of dimensions that begins at `dimension`, in the upper digits of
-    /// both words. `of_seed` is [`seed_offset`].
+    /// Returns the shifts of the pixels in the pair of dimensions that begins at `dimension`, in the upper
+    /// digits of both words. `of_seed` is [`seed_offset`].
     #[inline(always)]
     pub fn shift(self, shifts: &Shifts, of_seed: [u32; 2], dimension: u32) -> [L::Bits; 2] {
         let [right, down] = offset(dimension);
@@ -94,22 +94,22 @@ impl<L: Lane> PixelCoordinates<L> {
     }
 }
 
-/// The pair's offset in the table: different in both directions for the pairs of the pixel and of the first
-/// event. To the right multiples of sixteen, so that a block stays in a strip.
+/// Returns the pair's offset in the table, different in both directions for the pairs of the pixel and of the
+/// first event. Offsets to the right are multiples of sixteen, so that a block stays in a strip.
 #[inline(always)]
 pub const fn offset(dimension: u32) -> [u32; 2] {
     let pair = dimension / 2;
     [16 * (5 * pair % 8), 45 * pair % SIZE]
 }
 
-/// The offset in the table of all pairs: pictures of different seeds have different shifts.
+/// Returns all pairs' offset in the table: pictures of different seeds have different shifts.
 #[inline(always)]
 pub fn seed_offset(seed: u32) -> [u32; 2] {
     let key = seed_key(seed);
     [(key % SIZE) & !15, (key >> 16) % SIZE]
 }
 
-/// Words with their digits reversed: bit j is digit j after the point.
+/// Computes words with their digits reversed: bit j is digit j after the point.
 fn table() -> Box<Shifts> {
     let mut table = Box::new(Shifts([0; LENGTH]));
     for (strip, shifts) in (0..).zip(table.0.chunks_exact_mut(STRIDE as usize)) {
@@ -123,8 +123,8 @@ fn table() -> Box<Shifts> {
     table
 }
 
-/// The number of a pixel, its last digit first: the digits of its coordinates in turns, each flipped by a
-/// random bit that is a function of the digits before it.
+/// Returns the number of a pixel, its last digit first: the digits of its coordinates in turns, each flipped
+/// by a random bit that is a function of the digits before it.
 fn number_in_z_order(x: u32, y: u32) -> u32 {
     let digit = |place: u32| (if place.is_multiple_of(2) { x } else { y }) >> (place / 2) & 1;
     let mut before = 1;
@@ -136,7 +136,7 @@ fn number_in_z_order(x: u32, y: u32) -> u32 {
     number
 }
 
-/// Each digit plus a sum modulo 2 of digits before it: the product of polynomials over two elements.
+/// Adds to each digit a sum modulo 2 of digits before it: the product of polynomials over two elements.
 fn scrambled(digits: u32, polynomial: u32) -> u32 {
     (0..32).filter(|place| polynomial >> place & 1 == 1).fold(0, |sum, place| sum ^ digits << place)
 }

@@ -1,4 +1,4 @@
-//! Sample values and the directions made from them.
+//! Generates sample values, and directions from them.
 
 pub mod blue_noise;
 pub mod dimension;

@@ -10,10 +10,10 @@ use crate::lane::{Bits, Lane};
 
 /// 2³² divided by the golden ratio, odd: its multiples are evenly spread.
 pub(super) const GOLDEN: u32 = 0x9e37_79b9;
-/// Odd, and unrelated to [`GOLDEN`].
+/// An odd number unrelated to [`GOLDEN`].
 const STRIDE: u32 = 0x85eb_ca6b;
 
-/// A 32-bit hash that is a bijection; one changed input bit changes half of the output bits on average.
+/// Hashes 32 bits by a bijection; one changed input bit changes half of the output bits on average.
 ///
 /// Source: C. Wellons, "Prospecting for hash functions", 2018 (two rounds, bias 0.17).
 #[inline(always)]
@@ -25,38 +25,38 @@ pub fn mix_bits<B: Bits>(x: B) -> B {
     x ^ x.shr(16)
 }
 
-/// The keys of the pixels with these indices (y · width + x): for one seed a bijection. They are no hash:
-/// what is made of them is hashed.
+/// Returns the keys of the pixels with these indices (y · width + x): for one seed a bijection. They are not
+/// hashed; values derived from them are.
 #[inline(always)]
 pub fn pixel_key<B: Bits>(seed: u32, pixel: B) -> B {
     pixel ^ B::splat(seed_key(seed))
 }
 
-/// The key of what the pixels of an image share: a bijection of the seed.
+/// Returns the key of values that the pixels of an image share: a bijection of the seed.
 #[inline(always)]
 pub(super) fn seed_key(seed: u32) -> u32 {
     mix_bits(seed.wrapping_mul(GOLDEN).wrapping_add(STRIDE))
 }
 
-/// The keys of the paths of sample `sample` through the pixels with these indices: see the head of this file.
+/// Returns the keys of paths of sample `sample` through the pixels with these indices: see the module's docs.
 #[inline(always)]
 pub fn path_key<B: Bits>(seed: u32, pixel: B, sample: u32) -> B {
     mix_bits(mix_bits(pixel_key(seed, pixel)).wrapping_add(B::splat(sample.wrapping_mul(GOLDEN))))
 }
 
-/// The value of each path in `dimension`: uniform in [0, 1), a multiple of 2⁻²⁴, never 1.
+/// Returns the value of each path in `dimension`: uniform in [0, 1), a multiple of 2⁻²⁴, never 1.
 #[inline(always)]
 pub fn uniform<L: Lane>(key: L::Bits, dimension: u32) -> L {
     unit_interval(hash(key, dimension))
 }
 
-/// 32 random bits for each key in `dimension`.
+/// Returns 32 random bits for each key in `dimension`.
 #[inline(always)]
 pub(super) fn hash<B: Bits>(key: B, dimension: u32) -> B {
     mix_bits(key.wrapping_add(B::splat((dimension + 1).wrapping_mul(STRIDE))))
 }
 
-/// The upper 24 bits as a number in [0, 1).
+/// Returns the upper 24 bits as a number in [0, 1).
 #[inline(always)]
 pub fn unit_interval<L: Lane>(bits: L::Bits) -> L {
     L::from_int(bits.shr(8)) * L::splat(1.0 / 16_777_216.0)

@@ -1,4 +1,4 @@
-//! The choice among Sobol points with blue noise, padded Sobol points, and random values.
+//! Chooses among Sobol points with blue noise, padded Sobol points, and random values.
 
 use super::blue_noise::{self, PixelCoordinates, Shifts, seed_offset};
 use super::{dimension, random, sobol};
@@ -6,13 +6,12 @@ use crate::choice::choices;
 use crate::lane::{Bits, Lane};
 
 choices! {
-    /// The source of a path's sample values. With each they are functions of (seed, pixel, sample,
-    /// dimension).
+    /// The source of a path's sample values, which are functions of (seed, pixel, sample, dimension).
     pub enum Sampler {
         /// See [`sobol`] and [`blue_noise`].
         #[default]
         Sobol = "sobol", "Owen-scrambled Sobol points, errors spread over neighbouring pixels as blue noise.";
-        /// See [`sobol`]: as [`Sampler::Sobol`], with random shifts in all dimensions.
+        /// See [`sobol`]: like [`Sampler::Sobol`], with random shifts in all dimensions.
         PaddedSobol = "padded-sobol", "The same points, but the errors of neighbouring pixels are independent.";
         /// See [`random`].
         Random = "random", "Independent random numbers.";
@@ -20,8 +19,8 @@ choices! {
 }
 
 impl Sampler {
-    /// The keys of sample `sample` in the pixels with these indices (y · width + x), as [`SampleValues`]
-    /// takes them.
+    /// Returns the keys of sample `sample` in the pixels with these indices (y · width + x), for
+    /// [`SampleValues`].
     #[inline(always)]
     pub fn key<B: Bits>(self, seed: u32, pixel: B, sample: u32) -> B {
         match self {
@@ -31,28 +30,28 @@ impl Sampler {
     }
 }
 
-/// The values of the latest samples. They are the same in every pixel: kept by a thread, they are computed
-/// once a sample and not once a tile, in stills too, where a tile takes many samples before the next begins.
+/// The values of the latest samples, which are the same in every pixel. Each thread keeps a table, so values
+/// are computed once per sample and not once per tile, in stills too, where a tile takes many samples.
 #[derive(Clone, Debug, Default)]
 pub struct SampleTable {
-    /// Sampler, seed, and scattering events of a path.
+    /// The sampler, the seed, and the number of scattering events of a path.
     of: Option<(Sampler, u32, u32)>,
     /// The sample of each row.
     samples: Vec<Option<u32>>,
-    /// Rows of the position in the pixel, then one scattering event after the other.
+    /// Rows of values: the position in the pixel, then one scattering event after the other.
     values: Vec<SampleValues>,
-    /// Where the row of the current sample begins.
+    /// The index at which the current sample's row begins.
     begin: usize,
 }
 
 impl SampleTable {
-    /// Most samples that are kept: more than a tile takes in a tenth of a second of all but the simplest
-    /// pictures.
+    /// The largest number of samples that are kept: more than a tile takes in a tenth of a second of all but
+    /// the simplest pictures.
     const MAX_SAMPLES: usize = 256;
-    /// Most values that are kept, 112 KiB, where paths are long.
+    /// The largest number of values that are kept if paths are long: 112 KiB.
     const MAX_VALUES: usize = 2048;
 
-    /// Turns to sample `sample` of paths with up to `events` scattering events.
+    /// Selects sample `sample` of paths with up to `events` scattering events; computes missing values.
     #[inline]
     pub fn begin(&mut self, sampler: Sampler, seed: u32, sample: u32, events: u32) {
         let width = events as usize + 1;
@@ -74,20 +73,20 @@ impl SampleTable {
             }
         }
     }
-    /// The values of the position in the pixel.
+    /// Returns the values of the position in the pixel.
     #[inline]
     pub fn pixel(&self) -> SampleValues {
         self.values[self.begin]
     }
-    /// The values of scattering event `bounce`, counted from 0 and below the number of events.
+    /// Returns the values of scattering event `bounce`, counted from 0 and below the number of events.
     #[inline]
     pub fn bounce(&self, bounce: u32) -> SampleValues {
         self.values[self.begin + 1 + bounce as usize]
     }
 }
 
-/// The values of one sample index in all pixels, in the [`dimension::PER_BOUNCE`] dimensions from `first` on:
-/// those of the position in the pixel or of one scattering event.
+/// The values of one sample index in all pixels, in the [`dimension::PER_BOUNCE`] dimensions from `first` on,
+/// which are the position in the pixel or one scattering event.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleValues {
     sampler: Sampler,
@@ -101,7 +100,7 @@ pub struct SampleValues {
 const PAIRS: usize = dimension::PER_BOUNCE as usize / 2;
 
 impl SampleValues {
-    /// Of sample `sample` in the dimensions from `first` (even) on.
+    /// Computes the values of sample `sample` in the dimensions from `first` (even) on.
     #[inline(always)]
     pub fn new(sampler: Sampler, seed: u32, sample: u32, first: u32) -> Self {
         debug_assert!(first.is_multiple_of(2), "a pair begins at an even dimension");
@@ -112,14 +111,14 @@ impl SampleValues {
         Self { sampler, first, points, shifts: blue_noise::shifts(), seed_offset: seed_offset(seed) }
     }
 
-    /// The values of paths before their first bounce, in pixels at `places`.
+    /// Returns the values of paths before their first bounce, in pixels at `places`.
     #[inline(always)]
     pub fn at_pixels<L: Lane>(&self, key: L::Bits, places: PixelCoordinates<L>) -> PacketValues<'_, L> {
         debug_assert!(self.first < dimension::bounce(1), "the position in the pixel or the first event");
         PacketValues { values: self, key, places: Some(places) }
     }
 
-    /// The values of paths after their first bounce.
+    /// Returns the values of paths after their first bounce.
     #[inline(always)]
     pub fn at_keys<L: Lane>(&self, key: L::Bits) -> PacketValues<'_, L> {
         debug_assert!(self.first >= dimension::bounce(1), "a later event than the first");
@@ -127,20 +126,20 @@ impl SampleValues {
     }
 }
 
-/// The values of a packet of paths: those of [`SampleValues`] in their pixels.
+/// The values of a packet of paths: [`SampleValues`] in their pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct PacketValues<'a, L: Lane> {
     values: &'a SampleValues,
-    /// From [`Sampler::key`] with the same seed and sample.
+    /// The key from [`Sampler::key`] with the same seed and sample.
     key: L::Bits,
-    /// Before the first bounce, where neighbours' shifts spread ([`blue_noise`]). Later, paths of neighbours
-    /// are too different to gain from it.
+    /// The pixels of paths before the first bounce, where neighbours' shifts spread ([`blue_noise`]). Later,
+    /// paths of neighbours are too different to gain from it.
     places: Option<PixelCoordinates<L>>,
 }
 
 impl<L: Lane> PacketValues<'_, L> {
-    /// The values in dimensions `first` + `dimension` (even) and the next: each uniform in [0, 1), a multiple
-    /// of 2⁻²⁴, never 1.
+    /// Returns the values in dimensions `first` + `dimension` (even) and the next: each uniform in [0, 1), a
+    /// multiple of 2⁻²⁴, never 1.
     #[inline(always)]
     pub fn get_2d(&self, dimension: u32) -> (L, L) {
         debug_assert!(dimension.is_multiple_of(2), "a pair begins at an even dimension");
@@ -159,7 +158,7 @@ impl<L: Lane> PacketValues<'_, L> {
         }
     }
 
-    /// The value in dimension `first` + `dimension`: one of its pair.
+    /// Returns the value in dimension `first` + `dimension`: one of its pair.
     #[inline(always)]
     pub fn get_1d(&self, dimension: u32) -> L {
         match self.values.sampler {
@@ -181,7 +180,7 @@ mod tests {
         let parts = |values: SampleValues| (values.sampler, values.first, values.points, values.seed_offset);
         let mut table = SampleTable::default();
         let samples = [0, 1, 0, 255, 256, 511, 1, 257, 0, u32::MAX];
-        // Events, at last so many that one row is left.
+        // The numbers of events; with the largest, one row is left.
         for (sampler, seed, events) in [
             (Sampler::Sobol, 0, 3),
             (Sampler::Sobol, 7, 3),

@@ -3,22 +3,22 @@
 //!
 //! In every pixel and every pair of dimensions the first 2ᵏ samples, for every k, are a (0, k, 2)-net in base
 //! 2: each elementary interval of area 2⁻ᵏ (2ᵏ × 1, 2ᵏ⁻¹ × 2, … 1 × 2ᵏ) holds exactly one of them. Owen
-//! scrambling keeps that property and makes each point uniform. So estimates have no bias, and for smooth
-//! functions of the square the variance falls with n⁻³, faster than that of independent values. Padding gains
-//! nothing between pairs of dimensions: each pair takes the points in an order of its own (a shuffle). It has
-//! one cost: samples 2i and 2i + 1 lie in opposite halves in every dimension, so a function that is nothing
-//! but the product of two halves gets twice its variance. Points of four, six and all dimensions (Sobol's,
-//! over the dimensions of one event or of neighbouring events) were tried: `scenes/cornell.json` gets 1 %
-//! less noise from them, not worth the loss of the nets.
+//! scrambling keeps that property and makes each point uniform. Estimates therefore have no bias, and for
+//! smooth functions of the square the variance falls with n⁻³, faster than that of independent values.
+//! Padding gains nothing between pairs of dimensions: each pair takes the points in an order of its own (a
+//! shuffle). It has one cost: samples 2i and 2i + 1 lie in opposite halves in every dimension, so a function
+//! that is only the product of two halves gets twice its variance. Points of four, six and all dimensions
+//! (Sobol's, over the dimensions of one event or of neighbouring events) were tried: `scenes/cornell.json`
+//! gets 1 % less noise from them, not worth the loss of the nets.
 //!
 //! # Construction
 //! Shuffle and scrambling are the same in all pixels ([`point`], once for all packets). Each pixel adds a
 //! digital shift to all its points (a Cranley-Patterson rotation in base 2, by exclusive or). Over all seeds
 //! the points of one pixel are scrambled as Owen's are. Before the first bounce the shifts of neighbours
 //! spread as the points of a net do ([`super::blue_noise`]); later they are random ([`shift`]): for every
-//! seed each point is uniform over the pixels, and the errors of different pixels are independent. So points
-//! cost no more than independent values. Scrambling the points of each pixel separately was measured: the
-//! same noise at four times the cost.
+//! seed each point is uniform over the pixels, and the errors of different pixels are independent. Points
+//! therefore cost no more than independent values. Scrambling the points of each pixel separately gave the
+//! same noise at four times the cost (measured).
 //!
 //! Words are scrambled with their digits reversed: bit j is digit j after the point. A hash in which only
 //! lower bits change a bit (sums and products, no right shifts) is then an Owen scrambling (S. Laine, T.
@@ -31,8 +31,8 @@
 use super::random::{GOLDEN, hash, mix_bits, seed_key, unit_interval};
 use crate::lane::{Bits, Lane};
 
-/// The point of sample `sample` in dimensions `dimension` (even) and `dimension + 1`, before the digital
-/// shift.
+/// Returns the point of sample `sample` in dimensions `dimension` (even) and `dimension + 1`, before the
+/// digital shift.
 ///
 /// Units: 2⁻³².
 ///
@@ -50,14 +50,14 @@ pub fn point(seed: u32, sample: u32, dimension: u32) -> [u32; 2] {
     ]
 }
 
-/// The digital shifts of the pixels with these keys. `dimension` is the first of the pair.
+/// Returns the digital shifts of the pixels with these keys. `dimension` is the first of the pair.
 #[inline(always)]
 pub fn shift<B: Bits>(key: B, dimension: u32) -> [B; 2] {
     let x = hash(key, dimension);
     [x, x.wrapping_mul(B::splat(GOLDEN))]
 }
 
-/// A point of [`point`] with a digital shift: multiples of 2⁻²⁴ in [0, 1).
+/// Applies a digital shift to a point of [`point`]; the results are multiples of 2⁻²⁴ in [0, 1).
 ///
 /// Domain: nets of more than 2²⁴ points are truncated to the 24 bits of a float.
 #[inline(always)]
@@ -65,7 +65,7 @@ pub fn shifted<L: Lane>([x, y]: [u32; 2], [shift_x, shift_y]: [L::Bits; 2]) -> (
     (unit_interval(L::Bits::splat(x) ^ shift_x), unit_interval(L::Bits::splat(y) ^ shift_y))
 }
 
-/// Owen scrambling of reversed digits, by Vegdahl's hash.
+/// Applies Owen scrambling to reversed digits, by Vegdahl's hash.
 #[inline(always)]
 fn owen_scramble(x: u32, seed: u32) -> u32 {
     // A sum, and a product with an odd number, that depend on the seed; x ^ x · even is a bijection too.
@@ -75,10 +75,10 @@ fn owen_scramble(x: u32, seed: u32) -> u32 {
     mix(mix(x, 0x0552_6c56), 0x53a2_2864)
 }
 
-/// The second Sobol dimension of an index, digits reversed: digit k is the sum modulo 2 of the bits j of the
-/// index with C(j, k) odd.
+/// Returns the second Sobol dimension of an index, digits reversed: digit k is the sum modulo 2 of the bits j
+/// of the index with C(j, k) odd.
 ///
-/// C(j, k) is odd where the bits of k are among those of j (Lucas), so that Pascal's triangle modulo 2 is a
+/// C(j, k) is odd if the bits of k are among those of j (Lucas), so that Pascal's triangle modulo 2 is a
 /// Kronecker power of its 2 × 2 corner, and one step for each bit of j is enough (A. Ahmed, "An
 /// Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact", 2024).
 #[inline(always)]

@@ -1,9 +1,9 @@
-//! Maps from the unit square to directions.
+//! Maps the unit square to directions.
 
 use crate::lane::{Lane, functions::sin_cos_turns};
 use crate::math::Vec3;
 
-/// The tangent and bitangent that make a right-handed orthonormal basis with the unit vector `n`.
+/// Returns the tangent and bitangent that make a right-handed orthonormal basis with the unit vector `n`.
 ///
 /// Error: orthonormal within 4 ε (measured). Source: Duff et al., "Building an Orthonormal Basis, Revisited",
 /// JCGT 2017.
@@ -19,11 +19,11 @@ pub fn orthonormal_basis<L: Lane>(n: Vec3<L>) -> (Vec3<L>, Vec3<L>) {
     )
 }
 
-/// A unit vector in the hemisphere of `n` with pdf cos θ / π: the normalised sum of `n` and a uniform point
-/// on the unit sphere.
+/// Returns a unit vector in the hemisphere of `n` with pdf cos θ / π: the normalised sum of `n` and a uniform
+/// point on the unit sphere.
 ///
-/// The sphere is smaller by 4 · 10⁻⁶, which no image shows. So the sum is never the zero vector, and its
-/// cosine with `n` is above rounding error: no direction points below the surface.
+/// The sphere is smaller by 4 · 10⁻⁶, which no image shows. The sum is therefore never the zero vector, and
+/// its cosine with `n` is above rounding error: no direction points below the surface.
 ///
 /// Domain: u, v in [0, 1).
 /// Source: Shirley, Ray Tracing in One Weekend §9.4; Lambert's law by Archimedes' hat-box theorem.
@@ -32,7 +32,7 @@ pub fn sample_cosine_hemisphere<L: Lane>(n: Vec3<L>, u: L, v: L) -> Vec3<L> {
     sample_uniform_sphere(u, v).mul_add(L::splat(1.0 - 4e-6), n).normalize()
 }
 
-/// A point on the unit sphere with pdf 1 / 4π.
+/// Returns a point on the unit sphere with pdf 1 / 4π.
 ///
 /// Domain: u, v in [0, 1).
 #[inline(always)]
@@ -44,8 +44,8 @@ pub fn sample_uniform_sphere<L: Lane>(u: L, v: L) -> Vec3<L> {
     Vec3::new(radius * cos, radius * sin, z)
 }
 
-/// A direction with pdf 1 / (2π (1 − cos α)) within the angle α of a unit vector, and cos θ and sin² θ of its
-/// own angle θ.
+/// Returns a direction with pdf 1 / (2π (1 − cos α)) within the angle α of a unit vector, and cos θ and sin²
+/// θ of the direction's angle θ.
 ///
 /// Domain: u, v in [0, 1).
 /// Source: Shirley, Wang, Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG

@@ -2,30 +2,30 @@
 
 use glam::Vec3;
 
-/// Smallest radius, and smallest distance from camera to target: the square, 1e-36, is still a normal f32.
+/// The smallest radius, and distance from camera to target: its square, 1e-36, is still a normal f32.
 pub const MIN_LENGTH: f64 = 1e-18;
-/// Sine of the smallest angle between the camera's line of sight and its `up`: well above f32 rounding
+/// The sine of the smallest angle between the camera's line of sight and its `up`: well above f32 rounding
 /// (6e-8).
 const MIN_UP_SINE: f64 = 1e-5;
 
 /// A pinhole camera.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Camera {
-    /// The eye.
+    /// The position of the eye.
     pub position: Vec3,
-    /// Differs from `position`.
+    /// The target, which differs from `position`.
     pub look_at: Vec3,
-    /// Not parallel to the line of sight.
+    /// The direction that points up in the image, not parallel to the line of sight.
     pub up: Vec3,
-    /// Degrees, from the lower to the upper edge of the image; above 0 and below 180.
+    /// The angle in degrees from the lower to the upper edge of the image; above 0 and below 180.
     pub vertical_fov: f32,
 }
 
-/// An error in a camera: the key it stands under, what is wrong, and how to mend it.
+/// An error in a camera: its key in the scene file, the problem, and its remedy.
 pub type CameraFault = (&'static str, String, &'static str);
 
 impl Camera {
-    /// The first error, if any.
+    /// Returns the first error, if any.
     pub fn fault(&self) -> Option<CameraFault> {
         let Self { position, look_at, up, vertical_fov } = *self;
         if !(vertical_fov > 0.0 && vertical_fov < 180.0) {

@@ -2,33 +2,33 @@
 
 use glam::Vec3;
 
-/// How a surface scatters and emits light.
+/// The way in which a surface scatters and emits light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// As the user named it.
+    /// The name given by the user.
     pub name: String,
-    /// How it scatters.
+    /// The BSDF and its parameters.
     pub kind: MaterialKind,
-    /// Reflectance, each channel in [0, 1]; transmittance of glass.
+    /// The reflectance, each channel in [0, 1]; the transmittance of glass.
     pub color: Vec3,
-    /// Multiplies `color`; of an [`MaterialKind::Emitter`], multiplies `emission`.
+    /// The texture that multiplies `color` or, for an [`MaterialKind::Emitter`], `emission`.
     pub texture: Option<u32>,
-    /// Its red channel, linear and at most 1, multiplies the roughness of kinds that have one. Of
+    /// The map whose red channel, linear and at most 1, multiplies the roughness of kinds that have one. For
     /// [`MaterialKind::MetalRough`] its green channel multiplies the roughness and its blue one the metallic
     /// share, as glTF packs them.
     pub roughness_map: Option<u32>,
-    /// Normals in tangent space, in OpenGL's convention: x = 2 red − 1 along growing u, y = 2 green − 1 along
-    /// growing v (up), z = 2 blue − 1 along the outward normal. From behind, the surface shows the back of
-    /// the same relief.
+    /// The map of normals in tangent space, in OpenGL's convention: x = 2 red − 1 along growing u, y = 2
+    /// green − 1 along growing v (up), z = 2 blue − 1 along the outward normal. From behind, the surface
+    /// shows the back of the same relief.
     pub normal_map: Option<u32>,
-    /// Radiance, the same in every direction and on both sides; each channel ≥ 0.
+    /// The emitted radiance, equal in every direction and on both sides; each channel ≥ 0.
     pub emission: Vec3,
-    /// Multiplies `emission`; none of an [`MaterialKind::Emitter`], whose `texture` does.
+    /// The map that multiplies `emission`; none for an [`MaterialKind::Emitter`], whose `texture` does.
     pub emission_map: Option<u32>,
 }
 
 impl Material {
-    /// A material without textures that emits nothing.
+    /// Creates a material that has no textures and emits nothing.
     pub fn new(name: impl Into<String>, kind: MaterialKind, color: Vec3) -> Self {
         Self {
             name: name.into(),
@@ -41,18 +41,18 @@ impl Material {
             emission_map: None,
         }
     }
-    /// Whether it emits light.
+    /// Tests whether the material emits light.
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
     }
-    /// All textures of the material.
+    /// Iterates over all textures of the material.
     pub fn textures(&self) -> impl Iterator<Item = u32> {
         [self.texture, self.roughness_map, self.normal_map, self.emission_map].into_iter().flatten()
     }
 }
 
 impl MaterialKind {
-    /// Does a roughness map change this kind?
+    /// Tests whether a roughness map changes this kind.
     pub fn has_roughness(self) -> bool {
         match self {
             Self::Metal { roughness } | Self::Plastic { roughness, .. } | Self::FuzzyMirror { roughness } => {
@@ -69,7 +69,7 @@ impl MaterialKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)] // The variants' text explains their fields.
 pub enum MaterialKind {
-    /// Lambertian.
+    /// A diffuse (Lambertian) surface.
     Diffuse,
     /// GGX with alpha = roughness², reflectance `color` at every angle; a mirror at roughness 0. Roughness in
     /// [0, 1].
@@ -77,11 +77,11 @@ pub enum MaterialKind {
     /// Smooth dielectric with the index of refraction `ior` > 0 inside and vacuum outside; `color` scales
     /// transmission and reflection.
     Glass { ior: f32 },
-    /// A pane of glass without thickness: reflects as both its surfaces together, and transmits the rest,
-    /// times `color`, straight on. `ior` > 0.
+    /// A pane of glass without thickness, which reflects as both its surfaces together, and transmits the
+    /// rest, times `color`, straight on. `ior` > 0.
     ThinGlass { ior: f32 },
     /// The fuzzy mirror, the lobe of the thesis: direction = normalize(reflected + roughness · u), u uniform
-    /// on the unit sphere; absorbed where it points below the surface. Roughness ≥ 0.
+    /// on the unit sphere; absorbed if it points below the surface. Roughness ≥ 0.
     FuzzyMirror { roughness: f32 },
     /// A dielectric coat of index `ior` over a diffuse base of reflectance `color`: GGX with alpha =
     /// roughness², smooth at roughness 0. Roughness in [0, 1], `ior` in [1, 3].
@@ -90,6 +90,6 @@ pub enum MaterialKind {
     /// incidence is `color`, and a dielectric (0) of index `ior` with a diffuse base of `color`; GGX with
     /// alpha = roughness², reflectance by Schlick. Roughness and `metallic` in [0, 1], `ior` ≥ 1.
     MetalRough { roughness: f32, metallic: f32, ior: f32 },
-    /// Emits and scatters nothing.
+    /// A surface that emits light and scatters none.
     Emitter,
 }

@@ -1,7 +1,7 @@
 //! The scene as a whole, and the kinds of its primitives: spheres and triangles.
 //!
-//! What differs from kind to kind is a method of [`Primitive`], a row of `buffers/geometry.rs`, and a light
-//! of [`crate::lights`]; how rays hit them is in [`crate::traverse`].
+//! Code that differs by kind is a method of [`Primitive`], a row of `buffers/geometry.rs`, and a light of
+//! [`crate::lights`]; the intersection tests are in [`crate::traverse`].
 
 use super::camera::Camera;
 use super::material::Material;
@@ -14,27 +14,27 @@ use std::path::PathBuf;
 /// area.
 ///
 /// Units: lengths in scene units, see [`Coordinates`]; y up, right-handed; colours linear RGB; radiance in
-/// the same units everywhere. (Not so the default, which lacks a camera and a resolution: others are made of
-/// it.)
+/// the same units everywhere. The default is not valid: it lacks a camera and a resolution, and serves to
+/// build other scenes.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// Short name for tables: `builtin:three`, or the name of the file.
+    /// The short name for tables: `builtin:three`, or the name of the file.
     pub name: String,
-    /// Where its coordinates stand in its file.
+    /// The place of the scene's coordinates in its file.
     pub coordinates: Coordinates,
-    /// Its points before they were rounded, if the scene was loaded for the reference.
+    /// The points before rounding, if the scene was loaded for the reference.
     pub unrounded: Option<Box<Unrounded>>,
-    /// Where it is seen from.
+    /// The camera that sees the scene.
     pub camera: Camera,
-    /// Pixels: width, height; each from 1 to [`MAX_SIDE`].
+    /// The width and height in pixels, each from 1 to [`MAX_SIDE`].
     pub resolution: [u32; 2],
-    /// Largest number of scattering events on a path.
+    /// The largest number of scattering events on a path.
     pub max_bounces: u32,
-    /// What rays see that hit nothing.
+    /// The environment, seen by rays that hit nothing.
     pub sky: Sky,
-    /// Primitives refer to them by index.
+    /// The materials; primitives refer to them by index.
     pub materials: Vec<Material>,
-    /// Materials and the sky refer to them by index.
+    /// The textures; materials and the sky refer to them by index.
     pub textures: Vec<Texture>,
     /// All spheres.
     pub spheres: Vec<Sphere>,
@@ -46,24 +46,24 @@ pub struct Scene {
     /// Unit vertex normals: one entry per triangle, zero vectors for a flat one; empty if all triangles are
     /// flat.
     pub normals: Vec<[Vec3; 3]>,
-    /// Warnings, each a full sentence: what was odd but not wrong.
+    /// Warnings about valid but suspicious content, each a full sentence.
     pub warnings: Vec<String>,
     /// The files that the scene was read from and those that were not found, each path once and as given: the
     /// scene file first; after a view, the scene that it names. Empty for built-in scenes.
     pub files: Vec<PathBuf>,
 }
 
-/// The geometry of a scene's primitives as its file has it: in the scene's [`Coordinates`], not rounded.
+/// The geometry of a scene's primitives as in its file: in the scene's [`Coordinates`], not rounded.
 #[derive(Clone, Debug, Default)]
 pub struct Unrounded {
-    /// Centres and radii.
+    /// The centres and radii of spheres.
     pub spheres: Vec<(DVec3, f64)>,
-    /// Vertices.
+    /// The vertices of triangles.
     pub triangles: Vec<[DVec3; 3]>,
 }
 
 impl Scene {
-    /// The number of primitives.
+    /// Returns the number of primitives.
     pub fn primitives(&self) -> usize {
         self.counts().total()
     }
@@ -71,14 +71,14 @@ impl Scene {
     pub fn counts(&self) -> KindCounts {
         KindCounts([self.spheres.len(), self.triangles.len()])
     }
-    /// All primitives, as hits number them: spheres first, then triangles.
+    /// Iterates over all primitives in the order of hits' indices: spheres first, then triangles.
     pub fn all_primitives(&self) -> impl Iterator<Item = Primitive<'_>> {
         (0..self.primitives()).map(|number| self.primitive(number))
     }
-    /// A primitive by its number.
+    /// Returns a primitive by its number.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If `number` is not below [`Scene::primitives`].
     pub fn primitive(&self, number: usize) -> Primitive<'_> {
         let kind = self.counts().kind_of(number);
         let index = number - self.counts().first(kind);
@@ -87,7 +87,7 @@ impl Scene {
             Kind::Triangle => Primitive::Triangle(&self.triangles[index]),
         }
     }
-    /// The list in which a scene file has a primitive, by its number, and its place there.
+    /// Returns the list of a scene file that has this primitive, given by its number, and the index there.
     pub fn place(&self, number: usize) -> (&'static str, usize) {
         let kind = self.counts().kind_of(number);
         let index = number - self.counts().first(kind);
@@ -96,11 +96,11 @@ impl Scene {
             Kind::Triangle => ("triangles", index),
         }
     }
-    /// Whether any primitive emits light.
+    /// Tests whether any primitive emits light.
     pub fn emits(&self) -> bool {
         self.all_primitives().any(|primitive| self.materials[primitive.material() as usize].emits())
     }
-    /// Returns the geometry of all primitives, as rays are traced through it.
+    /// Returns the geometry of all primitives, for tracing rays.
     pub fn geometry(&self) -> Geometry {
         Geometry {
             coordinates: self.coordinates,
@@ -110,9 +110,9 @@ impl Scene {
     }
 }
 
-/// Largest width and height of an image in pixels.
+/// The largest width and height of an image in pixels.
 pub const MAX_SIDE: u32 = 16_384;
-/// Largest number of scattering events on a path.
+/// The largest number of scattering events on a path.
 pub const MAX_BOUNCES: u32 = 1_024;
 
 /// The radiance of rays that miss everything.
@@ -121,7 +121,7 @@ pub const MAX_BOUNCES: u32 = 1_024;
 pub enum Sky {
     /// The same radiance from all directions.
     Color(Vec3),
-    /// From `bottom` (straight down) to `top` (straight up), linear in the direction's y.
+    /// A gradient from `bottom` (straight down) to `top` (straight up), linear in the direction's y.
     Gradient { bottom: Vec3, top: Vec3 },
     /// An environment map in latitude and longitude (equirectangular), its upper edge straight up, times a
     /// colour. The direction (x, y, z) has the texture coordinates u = atan2(z, x) / 2π + `turn`, wrapped to
@@ -131,7 +131,7 @@ pub enum Sky {
 }
 
 impl Sky {
-    /// Whether its colours are black, whatever its texture.
+    /// Tests whether the colours are black; the texture is ignored.
     pub fn is_black(&self) -> bool {
         match *self {
             Self::Color(color) | Self::Texture { color, .. } => color == Vec3::ZERO,
@@ -148,24 +148,24 @@ impl Default for Sky {
 
 /// A sphere. A point with outward unit normal n has the texture coordinates acos(n.y) / π from the top and,
 /// with a = atan2(n.z, n.x) / 2π, u = a + `texture_turn` if the texture reads right from inside (as the sky's
-/// does), and u = −(a + `texture_turn`) if from outside; both wrapped to [0, 1).
+/// does), or u = −(a + `texture_turn`) if from outside; both wrapped to [0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// Its centre.
+    /// The centre of the sphere.
     pub center: Vec3,
-    /// Above 0.
+    /// The radius, above 0.
     pub radius: f32,
-    /// Index of its material.
+    /// The index of the material.
     pub material: u32,
-    /// Rotation of the texture around the vertical axis, in whole turns, anticlockwise seen from above, in
-    /// [0, 1).
+    /// The rotation of the texture around the vertical axis, in whole turns, anticlockwise seen from above,
+    /// in [0, 1).
     pub texture_turn: f32,
     /// The side from which the texture is not mirrored.
     pub texture_side: Side,
 }
 
 impl Sphere {
-    /// Returns its geometry.
+    /// Returns the geometry of the sphere.
     fn shape(&self) -> octray_rays::Sphere {
         octray_rays::Sphere { center: self.center, radius: self.radius }
     }
@@ -174,19 +174,19 @@ impl Sphere {
 /// A side of a sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Side {
-    /// As on a globe.
+    /// The outer side, as on a globe.
     #[default]
     Outside,
-    /// As in a sky.
+    /// The inner side, as in a sky.
     Inside,
 }
 
 /// A triangle with an area above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
-    /// Its corners.
+    /// The corners of the triangle.
     pub vertices: [Vec3; 3],
-    /// Index of its material.
+    /// The index of the material.
     pub material: u32,
 }
 
@@ -200,21 +200,21 @@ pub enum Primitive<'a> {
 }
 
 impl<'a> Primitive<'a> {
-    /// Index of its material.
+    /// Returns the index of the material.
     pub fn material(self) -> u32 {
         match self {
             Self::Sphere(sphere) => sphere.material,
             Self::Triangle(triangle) => triangle.material,
         }
     }
-    /// Points and a radius: it lies within the convex hull of the balls of this radius around these points.
+    /// Returns points and a radius: the hull of balls of this radius around them contains the primitive.
     pub fn hull(self) -> (&'a [Vec3], f32) {
         match self {
             Self::Sphere(sphere) => (std::slice::from_ref(&sphere.center), sphere.radius),
             Self::Triangle(triangle) => (&triangle.vertices, 0.0),
         }
     }
-    /// Returns its geometry.
+    /// Returns the geometry of the primitive.
     pub fn shape(self) -> Shape {
         match self {
             Self::Sphere(sphere) => Shape::Sphere(sphere.shape()),

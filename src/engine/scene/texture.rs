@@ -6,32 +6,32 @@ use std::sync::LazyLock;
 /// An image for surfaces or the sky.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// Its file's name.
+    /// The name of the file.
     pub name: String,
-    /// Texels in a row.
+    /// The number of texels in a row.
     pub width: u32,
-    /// Rows of texels.
+    /// The number of rows of texels.
     pub height: u32,
-    /// How it is read between texel centres.
+    /// The interpolation between texel centres.
     pub filter: Filter,
-    /// Row by row from the top; `width · height` of them.
+    /// The `width · height` texels, row by row from the top.
     pub texels: Texels,
 }
 
 impl Texture {
-    /// The sizes of its levels of detail after its own texels: [`Texture::halved_sizes`]. None but for
-    /// [`Filter::Trilinear`].
+    /// Iterates over the sizes of the levels of detail after the texture's own texels:
+    /// [`Texture::halved_sizes`] for [`Filter::Trilinear`], else none.
     pub fn level_sizes(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let has_levels = self.filter == Filter::Trilinear;
         self.halved_sizes().take_while(move |_| has_levels)
     }
-    /// Half its columns and rows, rounded down and at least 1, half of those, and so on, down to one texel.
+    /// Iterates over sizes halved again and again, rounded down and at least 1, down to one texel.
     pub fn halved_sizes(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let halved = |size: &[u32; 2]| (*size != [1, 1]).then(|| size.map(|side| (side / 2).max(1)));
         std::iter::successors(Some([self.width, self.height]), halved).skip(1)
     }
-    /// Memory of its texels, those of its levels of detail included: a third more, and twice the texels of a
-    /// texture of one row.
+    /// Returns the size of the texels in bytes, levels of detail included: these take a third more, or as
+    /// much again in a texture of one row.
     pub fn bytes(&self) -> usize {
         let texels = self.level_sizes().map(|[width, height]| width as usize * height as usize);
         self.texels.bytes() + texels.sum::<usize>() * self.texels.bytes_each()
@@ -44,7 +44,7 @@ impl Texture {
 pub enum Texels {
     /// 8-bit sRGB: red, green, blue and an unused byte.
     Srgb8(Vec<[u8; 4]>),
-    /// 8-bit unorm, byte / 255, of numbers that are not colours: normals, roughness. The fourth byte is
+    /// 8-bit unorm, byte / 255, for numbers that are not colours: normals, roughness. The fourth byte is
     /// unused.
     Unorm8(Vec<[u8; 4]>),
     /// Linear red, green, blue and an unused number.
@@ -52,32 +52,32 @@ pub enum Texels {
 }
 
 impl Texels {
-    /// The number of texels.
+    /// Returns the number of texels.
     pub fn len(&self) -> usize {
         match self {
             Self::Srgb8(texels) | Self::Unorm8(texels) => texels.len(),
             Self::Float32(texels) => texels.len(),
         }
     }
-    /// Whether there is no texel.
+    /// Tests whether there are no texels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Memory of the texels.
+    /// Returns the size of the texels in bytes.
     pub fn bytes(&self) -> usize {
         match self {
             Self::Srgb8(texels) | Self::Unorm8(texels) => size_of_val(texels.as_slice()),
             Self::Float32(texels) => size_of_val(texels.as_slice()),
         }
     }
-    /// Memory of one texel.
+    /// Returns the size of one texel in bytes.
     fn bytes_each(&self) -> usize {
         match self {
             Self::Srgb8(_) | Self::Unorm8(_) => size_of::<[u8; 4]>(),
             Self::Float32(_) => size_of::<[f32; 4]>(),
         }
     }
-    /// One texel, decoded: sRGB by IEC 61966-2-1, other formats as the numbers that they hold.
+    /// Returns one texel, decoded: sRGB by IEC 61966-2-1, other formats as plain numbers.
     pub fn linear(&self, index: usize) -> [f64; 3] {
         match self {
             Self::Srgb8(texels) => {
@@ -100,7 +100,7 @@ impl Texels {
 static SRGB_BYTES: LazyLock<[f64; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f64 / 255.0)));
 
-/// What the texels of an image file are, which decides whether they are decoded.
+/// The meaning of an image file's texels, which decides whether they are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TexelKind {
     /// Colours: sRGB files are decoded.
@@ -117,12 +117,12 @@ pub fn srgb_to_linear(x: f64) -> f64 {
     if x <= 0.04045 { x / 12.92 } else { portable::pow((x + 0.055) / 1.055, 2.4) }
 }
 
-/// The linear values halfway between consecutive sRGB bytes, ascending. The number of those at or below a
+/// The linear values halfway between consecutive sRGB bytes, ascending. The number of borders at or below a
 /// linear value is the nearest byte.
 pub static SRGB_BORDERS: LazyLock<[f64; 255]> =
     LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear((byte as f64 + 0.5) / 255.0)));
 
-/// How a texture is read between texel centres. It repeats in both directions; on spheres and the sky v is
+/// The interpolation between texel centres. A texture repeats in both directions; on spheres and the sky v is
 /// clamped, because it stays within [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Filter {
@@ -131,7 +131,7 @@ pub enum Filter {
     /// Interpolated between four texels.
     #[default]
     Bilinear,
-    /// Bilinear in the two levels of detail whose texels are about as wide as what a path sees of the
-    /// texture, blended: [`crate::kernel::ray_cone`]. Where texels are wider than that, the same as bilinear.
+    /// Bilinear in the two levels of detail whose texels are about as wide as a path's view of the texture,
+    /// blended: [`crate::kernel::ray_cone`]. If texels are wider than that, it is the same as bilinear.
     Trilinear,
 }

@@ -1,4 +1,4 @@
-//! The surface at a hit: point, geometric normal, texture coordinates. Each kind of primitive has a file.
+//! Looks up surfaces at hits: point, geometric normal, texture coordinates. Each primitive kind has a file.
 
 mod sphere;
 mod triangle;
@@ -23,22 +23,22 @@ struct HitKinds<L: Lane> {
 
 /// The surfaces at a packet's hits.
 pub struct Surface<L: Lane> {
-    /// On the surface as exactly as floats allow.
+    /// The point on the surface, as exactly as floats allow.
     pub point: Vec3<L>,
-    /// Unit geometric normal: outward on spheres, by the order of the vertices on triangles.
+    /// The unit geometric normal: outward on spheres, by the order of the vertices on triangles.
     pub ng: Vec3<L>,
-    /// Distance from the surface at which spawned rays must start.
+    /// The distance from the surface at which spawned rays must start.
     pub offset: L,
-    /// Index of the material.
+    /// The index of the material.
     pub material: L::Bits,
     kinds: HitKinds<L>,
     sphere: OnSphere<L>,
     triangle: OnTriangle<L>,
-    /// The cosine at which the ray arrives; below 0 from behind `ng`.
+    /// The cosine at which the ray arrives; negative from behind `ng`.
     pub facing: L,
-    /// Width of the ray cone at the hit; 0 unless paths carry cones.
+    /// The width of the ray cone at the hit; 0 unless paths carry cones.
     pub cone_width: L,
-    /// The pdf with which light sampling at the ray's origin samples the ray's direction, in 1/sr; 0 where it
+    /// The pdf with which light sampling at the ray's origin samples the ray's direction, in 1/sr; 0 if it
     /// never does.
     pub light_pdf: L,
 }
@@ -80,15 +80,15 @@ impl<L: Lane> Surface<L> {
         surface
     }
 
-    /// The object id: one for each sphere, and one for all triangles of a material.
+    /// Returns the object id: one for each sphere, and one for all triangles of a material.
     #[inline(always)]
     pub fn object(&self, context: &TraceContext, hit: &Hit<L>) -> L::Bits {
         let of_material = self.material.wrapping_add(L::Bits::splat(context.buffers.spheres));
         L::Bits::select(self.kinds.sphere, hit.primitive, of_material)
     }
 
-    /// Returns the tangent along growing u in the lanes of `mapped`, and the frame's handedness: +1 where v
-    /// grows along normal × tangent, −1 where against it.
+    /// Returns the tangent along growing u in the lanes of `mapped`, and the frame's handedness: +1 if v
+    /// grows along normal × tangent, −1 if against it.
     #[inline(always)]
     pub fn tangent<const N: u32>(&self, context: &TraceContext, mapped: L::Mask) -> (Vec3<L>, L) {
         let mut frame = (Vec3::zero(), L::zero());
@@ -103,7 +103,7 @@ impl<L: Lane> Surface<L> {
         frame
     }
 
-    /// Returns where textures are read in the lanes of `textured`.
+    /// Returns the points at which textures are read in the lanes of `textured`.
     #[inline(always)]
     pub fn texture_point<const N: u32>(&self, context: &TraceContext, textured: L::Mask) -> TexturePoint<L> {
         let mut found = ((L::zero(), L::zero()), L::zero());

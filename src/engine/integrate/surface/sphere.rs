@@ -1,4 +1,4 @@
-//! Surfaces of spheres.
+//! Looks up surfaces of spheres.
 
 use super::Surface;
 use crate::buffers::{Features, SphereRow};
@@ -11,7 +11,7 @@ use crate::lights;
 use crate::math::{Hit, Vec3};
 use crate::rays::Kind;
 
-/// What shading keeps of the lanes on spheres.
+/// The data of lanes on spheres that shading keeps.
 pub struct OnSphere<L: Lane> {
     /// See [`SphereRow::turn`].
     turn: L,
@@ -60,7 +60,7 @@ impl<L: Lane> Surface<L> {
         normals::sphere_tangent(self.ng, inside)
     }
 
-    /// Returns the texture coordinates of spheres, and the density of the texture where paths carry cones.
+    /// Returns the texture coordinates of spheres, and the texture's density if paths carry cones.
     #[inline(always)]
     pub(super) fn sphere_coordinates<const N: u32>(&self, context: &TraceContext) -> ((L, L), L) {
         let (u, v) = latitude_longitude(self.ng);

@@ -1,4 +1,4 @@
-//! Surfaces of triangles.
+//! Looks up surfaces of triangles.
 
 use super::Surface;
 use crate::buffers::{Features, TriangleRow};
@@ -9,17 +9,17 @@ use crate::kernel::surface::inset;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Vec3};
 
-/// What shading keeps of the lanes on triangles.
+/// The data of lanes on triangles that shading keeps.
 pub struct OnTriangle<L: Lane> {
     /// The index among the triangles; 0 in other lanes.
     index: L::Bits,
     barycentric: (L, L),
-    /// From the first vertex to the second, and to the third.
+    /// The edges from the first vertex to the second, and to the third.
     edges: [Vec3<L>; 2],
 }
 
 impl<L: Lane> OnTriangle<L> {
-    /// Begins with the index and the weights of hits.
+    /// Stores the index and the weights of hits.
     #[inline(always)]
     pub(super) fn new(index: L::Bits, hit: &Hit<L>) -> Self {
         Self { index, barycentric: (hit.u, hit.v), edges: [Vec3::zero(); 2] }
@@ -57,14 +57,14 @@ impl<L: Lane> Surface<L> {
             if (!keep & triangle.light.are_sampled()).any() {
                 pdf = context.lights.triangle_pdf::<L, N>(&triangle, &path.ray, hit, !keep);
             }
-            // Lanes on triangles that are no lights hold the pdf of some sphere: overwrite them too.
+            // Lanes on triangles that are no lights hold the pdf of some sphere and are overwritten, too.
             self.light_pdf = L::select(keep, self.light_pdf, pdf);
         }
     }
 
-    /// Interpolated vertex normals, and the lanes of `found` that have them; geometric normals elsewhere. And
-    /// what leads from the point to the smooth surface, on the side from which the ray arrives: see
-    /// [`normals::bulge`].
+    /// Returns interpolated vertex normals, and the lanes of `found` that have them; geometric normals
+    /// elsewhere. The third result is the vector to the smooth surface, on the side from which the ray
+    /// arrives: see [`normals::bulge`].
     #[inline(always)]
     pub fn interpolated_normal<const N: u32>(
         &self,

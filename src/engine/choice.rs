@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 pub trait Choice: Copy + PartialEq + Send + Sync + 'static {
     /// The names of [`Choice::all`], in the same order.
     const NAMES: &'static [&'static str];
-    /// All alternatives, in the order in which help texts list them.
+    /// Returns all alternatives, in the order in which help texts list them.
     fn all() -> &'static [Self];
     /// Returns the name in the command line, in view files and in reports.
     fn name(self) -> &'static str;

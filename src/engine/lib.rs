@@ -4,43 +4,43 @@
 //! the same bits.
 //!
 //! # From scene to film
-//! A scene passes through these forms. Each is built from the one before.
+//! A scene passes through these forms.
 //!
 //! | form | what it is | modules |
 //! |---|---|---|
 //! | [`scene::Scene`] | a valid scene: its existence is the proof of validity | [`scene`] |
-//! | [`buffers::Buffers`] | aligned structure-of-arrays buffers | [`buffers`], [`bvh`] |
+//! | [`buffers::Buffers`], [`rays::Structure`] | structure-of-arrays buffers; a list or a hierarchy | [`buffers`], [`rays`] |
 //! | [`buffers::Features`] | the features that the scene uses | [`buffers`] |
 //! | packets and queues | 8 or 16 rays and a mask; the paths of one or several tiles, as columns | [`math`], [`integrate`] |
 //! | [`film::Film`] | sums of linear radiance, in a fixed order | [`film`], [`render`] |
 //!
 //! The integrator runs in stages over the paths of a tile: generate camera rays → intersect → shade → trace
 //! shadow rays, once per scattering event. Each stage processes all paths before the next begins, and
-//! compresses them to those that are alive. After two events the paths of several tiles go on together.
-//! Between packets and film stand the [`kernel`]s: equations over lanes.
+//! compresses them to those that are alive. After two events the paths of several tiles continue together.
+//! The stages compute with [`kernel`]s: equations over lanes.
 //!
-//! Compile for the processor: see the front page of [`rays`].
+//! Builds should target their processor: see the front page of [`rays`].
 //!
 //! # Modules
-//! Each imports only from those above it.
+//! Each module imports only from those above it.
 //!
-//! | module | idea |
+//! | module | what it holds |
 //! |---|---|
 //! | [`rays`] | the package `octray-rays`: closest hit and any hit of rays, over lanes; its modules [`lane`], [`math`], [`bvh`] and [`traverse`] have short paths here |
 //! | [`mod@choice`] | named alternatives, shared by the command line, view files and reports |
 //! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
 //! | [`kernel`] | BSDFs, texture lookups |
-//! | [`scene`] | what a scene is |
+//! | [`scene`] | the scene model: camera, materials, textures, primitives |
 //! | [`path_vertex`] | the vertices of one path as data |
-//! | [`buffers`] | the scene flattened; the features it uses |
-//! | [`lights`] | the lights that are sampled, a file a kind; which one is chosen |
-//! | [`camera`] | raster space to primary rays |
+//! | [`buffers`] | the scene in flat buffers, and the features that it uses |
+//! | [`lights`] | the lights that are sampled, one file per kind, and the choice among them |
+//! | [`camera`] | the map from raster space to primary rays |
 //! | [`integrate`] | the path estimator, as stages over queues |
 //! | [`threads`] | worker threads, each with its own working memory |
-//! | [`film`], [`adaptive`] | sums of samples; when a block of pixels has enough of them |
-//! | [`render`] | tiles and threads: a scene's film |
+//! | [`film`], [`adaptive`] | sums of samples; the criterion by which a block of pixels has enough of them |
+//! | [`render`] | the renderer: samples a scene into a film, by tiles and threads |
 //! | [`tone`] | tone mapping |
-//! | [`diagnosis`] | why a picture is black or lacks light |
+//! | [`diagnosis`] | reasons why a picture is black or lacks light |
 //!
 //! # Laws
 //! - **One image.** A pixel is a function of (scene, settings, pixel, sample): the same bits for scalar and
@@ -50,9 +50,9 @@
 //!   Algorithms that differ by width (traversal of one ray, of a packet) are written twice, side by side.
 //! - **Features.** Shading stages are compiled for sets of features; a scene runs the smallest set that holds
 //!   its own. The general pipeline gives the same bits.
-//! - **Conservative culling.** Whatever skips a test gives the same hit as testing every primitive.
-//! - **Kernels are pure.** Values in, (mask, values) out: they allocate nothing, look nothing up and never
-//!   panic.
+//! - **Conservative culling.** Code that skips tests gives the same hits as testing every primitive.
+//! - **Kernels are pure.** A kernel maps values to (mask, values): it allocates nothing, looks nothing up and
+//!   never panics.
 //! - **Safe.** Only `lane` of [`rays`] has `unsafe` blocks, for a few instructions.
 
 #![forbid(unsafe_code)]

@@ -5,7 +5,7 @@ use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels};
 use glam::Vec3;
 
 /// A set of features. A pipeline is compiled for a set and leaves out the code of all others; any set that
-/// contains what the scene needs gives the same bits.
+/// contains the features of the scene gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Features(pub u32);
 

@@ -6,8 +6,8 @@ use crate::scene::{SRGB_BORDERS, Texels, Texture};
 pub(super) type Level = ([u32; 2], Texels);
 
 /// Computes the levels of [`Texture::level_sizes`]. A texel is the mean of the area that it covers in the
-/// previous level before rounding: colours are averaged in linear light, data as plain numbers. A side of 2 n
-/// + 1 texels is halved to n, each of them the mean of 2 + 1/n.
+/// previous level before rounding: colours are averaged in linear light, data as plain numbers. An odd side
+/// of 2 n + 1 texels is halved to n, each of them the mean of 2 + 1/n.
 ///
 /// Source: L. Williams, "Pyramidal Parametrics", SIGGRAPH 1983; weights of odd sides: S. Guthe, P. Heckbert,
 /// "Non-Power-of-Two Mipmap Creation", NVIDIA, 2005.

@@ -1,4 +1,4 @@
-//! Kernels: equations over lanes. Values in, (mask, values) out.
+//! Kernels: equations over lanes, from values to (mask, values).
 //!
 //! Kernels allocate nothing, look nothing up and never panic.
 

@@ -33,8 +33,8 @@ pub fn texture_density(vertices: [glam::Vec3; 3], uvs: [glam::Vec2; 3]) -> f32 {
 }
 
 /// Returns one texture coordinate of a triangle's corners, less the whole repeats that all three share:
-/// interpolation would round away the position within a repeat, by 0.06 repeats near 10⁶. Coordinates in [0,
-/// 1) stay unchanged. Confirmed by the test case `textures-tiled`.
+/// interpolation would round away the position within a repeat, by 0.06 repeats near 10⁶. Coordinates
+/// in [0, 1) stay unchanged. Confirmed by the test case `textures-tiled`.
 pub fn remove_shared_repeats(corners: [f64; 3]) -> [f32; 3] {
     let whole = corners.into_iter().fold(f64::INFINITY, f64::min).floor();
     corners.map(|corner| (corner - whole) as f32)

@@ -138,7 +138,7 @@ impl<L: Lane> FlatLight<L> {
             is_quad: first | second | third,
         }
     }
-    /// Selects, lane by lane, one of two lights.
+    /// Selects one of two lights in each lane.
     #[inline(always)]
     pub fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self {

@@ -26,9 +26,9 @@ use crate::math::{Ray, Vec3};
 pub struct QuadraticEquation<L> {
     /// Half the linear coefficient, negated.
     b: L,
-    /// Above 0 where the ray starts outside of the sphere.
+    /// Positive if the ray starts outside the sphere.
     c: L,
-    /// Not below 0 where the line meets the sphere.
+    /// Not negative if the line meets the sphere.
     discriminant: L,
 }
 

@@ -39,9 +39,9 @@ impl CulledSphere {
 
 /// A packet of rays, prepared for the culling of many spheres.
 ///
-/// With the ray's origin o and direction d, a sphere's centre c and radius r: b = d · (c − o) and e = |c −
-/// o|² − r². The line misses the sphere if b² < e; the sphere lies behind if b < 0 < e. Since e = (|c|² − r²)
-/// + |o|² − 2 o · c, both take eight operations with prepared rays and spheres; the exact test takes twenty.
+/// With the ray's origin o and direction d, a sphere's centre c and radius r: b = d · (c − o) and
+/// e = |c − o|² − r². The line misses the sphere if b² < e; the sphere lies behind if b < 0 < e. Since e is
+/// (|c|² − r²) + |o|² − 2 o · c, both take eight operations on prepared rays and spheres, the exact test 20.
 ///
 /// Domain: that of [`super::ray_sphere`], directions of unit length within 1e-5.
 /// Bounds: with ε = 2⁻²⁴ and S = |o| + |c|, rounding errors are at most 10 ε (S² + r²) in e and 10 ε S in b,

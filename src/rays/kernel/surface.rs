@@ -123,7 +123,7 @@ pub fn sphere_surface<L: Lane>(
     let delta = unit.dot(unit) - L::one();
     let scale = delta.mul_add(L::splat(-0.5), L::one());
     let (point, normal) = (from_center.mul_add(scale, center), unit * scale);
-    // The negation includes NaN.
+    // The negated comparison is true for NaN, too.
     let far = used & !delta.abs().le(L::splat(f32::powi(0.5, 12)));
     if !far.any() {
         return (point, normal);

@@ -115,11 +115,11 @@ fn atan_octant<L: Lane>(q: L) -> L {
     (p * q2).mul_add(q, q)
 }
 
-/// Range reduction of atan(low / high): (numerator, denominator, reduced) with |numerator / denominator| ≤
-/// tan(π/8).
+/// Reduces the range of atan(low / high): returns (numerator, denominator, reduced) with
+/// |numerator / denominator| ≤ tan(π/8).
 ///
-/// Where `reduced` holds, π/4 is missing from the arctangent of the quotient: atan(q) = π/4 + atan((q − 1)/(q
-/// + 1)). The caller divides, so that one division serves both cases.
+/// If `reduced`, π/4 is missing from the arctangent of the quotient: atan(q) = π/4 + atan((q − 1) / (q + 1)).
+/// The caller divides, so that one division serves both cases.
 ///
 /// Domain: 0 ≤ low ≤ high.
 #[inline(always)]

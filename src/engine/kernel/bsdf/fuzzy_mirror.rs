@@ -21,9 +21,9 @@
 //!
 //! # The rim
 //! For ρ < 1 the pdf grows as 1 / q towards the rim of the cone: integrable but unbounded, and rounding puts
-//! some samples outside. Therefore x = q² / ρ² is clamped to at least η = `RIM`, and the cone is widened to x
-//! > −η. To first order the ring adds what the clamp removes, c √η / 2 each, so that the pdf still integrates
-//! to 1; the rim moves by at most η ρ / 2c, 0.002°.
+//! some samples outside. Therefore x = q² / ρ² is clamped to at least η = `RIM`, and the cone is widened to
+//! x > −η. To first order the ring adds as much as the clamp removes, c √η / 2, so that the pdf still
+//! integrates to 1; the rim moves by at most η ρ / 2c, 0.002°.
 //! Error: x is off by a few 2⁻²⁴ / ρ, less than η down to [`NARROW`].
 
 use super::sample::{BsdfSample, LobeEval};

@@ -7,9 +7,9 @@ use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{MISS, Ray, Vec3};
 
-/// The number of spheres from which on those that no ray of a packet may hit are culled first. Culling costs
-/// about half a test. Packets always compute the root, so culling pays sooner for them than for single rays,
-/// which skip it on a miss.
+/// Returns the number of spheres from which on a packet first culls those that none of its rays may hit.
+/// Culling costs about half a test. Packets always compute the root, so culling pays sooner for them than for
+/// single rays, which skip it on a miss.
 const fn min_culled_spheres(width: usize) -> usize {
     if width == 1 { 16 } else { 8 }
 }

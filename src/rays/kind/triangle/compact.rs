@@ -22,8 +22,8 @@ pub enum Layout {
 /// If nodes and leaves take more bytes than this, the layout is compact: from some 130,000 triangles on in
 /// leaves of 8, from 260,000 in leaves of 16, which take longer to expand.
 const MAX_FULL: usize = if LEAF == 8 { 8 << 20 } else { 16 << 20 };
-/// Every so many-th leaf is sampled to choose the layout. At least three quarters of the samples must fit a
-/// compact leaf.
+/// The distance between the leaves that are sampled to choose the layout. At least three quarters of them
+/// must fit a compact leaf.
 const SAMPLED: usize = 64;
 /// The smallest number of leaves that justifies another thread.
 pub(crate) const MIN_LEAVES_PER_THREAD: usize = 256;

@@ -89,7 +89,7 @@ impl TriangleLeaf {
         found.is_some_and(|found| self.keep(lane, &found, padding, packet, hit))
     }
 
-    /// [`TriangleLeaf::accept_packet`] for rays with different z axes. Few packets have them, and this test
+    /// Runs [`TriangleLeaf::accept_packet`] on different z axes. Few packets have them, and this test
     /// would take registers from the other.
     #[cold]
     #[inline(never)]

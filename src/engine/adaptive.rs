@@ -20,8 +20,8 @@
 //! block with n samples of relative standard deviation σ contributes σ²/n, and for a given sum of n these
 //! contributions are smallest if n is proportional to σ, not to σ². A block may therefore have the error
 //! target · √(σ / mean σ): blocks with four times the mean σ get four times its samples and twice its error.
-//! With the same error for every block the picture's is no smaller than if all pixels had the mean number of
-//! samples.
+//! If every block had the same error, the picture's would be no smaller than if all pixels had the mean
+//! number of samples.
 //!
 //! # Rounds
 //! All blocks begin with `least` samples. After each round the samples of every unfinished block are doubled;

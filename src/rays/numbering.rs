@@ -27,7 +27,7 @@ impl Kind {
 // `ALL` has every kind, in the order of the declaration.
 const _: () = assert!(Kind::Triangle as usize + 1 == Kind::ALL.len());
 
-/// The numbers of primitives by kind.
+/// The number of primitives of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KindCounts(pub [usize; Kind::ALL.len()]);
 

@@ -108,7 +108,7 @@ impl Features {
         need(spheres > 0, Self::SPHERES);
         need(triangles > 0, Self::TRIANGLES);
         need(spheres > Rows::FEW, Self::MANY_SPHERES);
-        // Two rows a triangle.
+        // A triangle has two rows.
         need(2 * triangles > Rows::FEW, Self::MANY_TRIANGLES);
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
         need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);

@@ -1,4 +1,4 @@
-//! Records one path as vertices. A path of at most n events is the beginning of one of more, with the same
+//! Records one path as vertices. A path of at most n events is the beginning of a longer one with the same
 //! random numbers. The pipeline therefore traces the pixel with at most 0, 1, 2 … events, and each time
 //! leaves the last segment and the last shadow ray in its queues. No stage is changed for it.
 

@@ -55,7 +55,7 @@ pub(super) fn compress<L: Lane>(v: Vec3<L>, mask: L::Mask) -> Vec3<L> {
 pub struct PathQueue {
     origin: Vec3Columns,
     direction: Vec3Columns,
-    /// The factor of radiance found from here on in the pixel.
+    /// The factor by which radiance found from here on counts in the pixel.
     throughput: Vec3Columns,
     /// One over the pdf of the path's direction, in sr; 0 after a delta lobe, which light sampling cannot
     /// sample. Stored only if lights are sampled.

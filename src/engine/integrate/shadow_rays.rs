@@ -98,7 +98,7 @@ fn emission<L: Lane, const N: u32>(
     if !has(N, Features::SKY_TEXTURE) || !seen.any() {
         return light.emission;
     }
-    // The angle of BSDF sampling in the same direction: the two weights must sum to 1 over one sky.
+    // The angle that BSDF sampling uses in the same direction: both weights must be those of one sky.
     let angle = scattered_cones::<L, N>(context, at).angle;
     let radiance = environment_radiance::<L, N>(context, sample.wi, angle, seen);
     Vec3::select(seen, radiance, light.emission)

@@ -28,7 +28,7 @@ choices! {
     }
 }
 
-/// Returns the features that traversal adds to those of [`Features::of`]: [`Features::HIERARCHY`] where
+/// Returns the features that traversal adds to those of [`Features::of`]: [`Features::HIERARCHY`] if
 /// [`octray_rays::KindCounts::list_cost`] is above [`MAX_LIST_COST`].
 pub fn features_of(scene: &Scene) -> Features {
     if scene.counts().list_cost() > MAX_LIST_COST { Features::HIERARCHY } else { Features::NONE }

@@ -55,7 +55,7 @@ pub(super) struct PackedBox(F32x8);
 /// lanes, and some processors are a hundred times slower with denormal operands or results. Two of these
 /// floats differ by at least 2⁻¹²⁶, the smallest normal float.
 const NUMBER_BASE: u32 = 0x0C00_0000;
-/// Most primitives of one hierarchy: their numbers stay finite floats, and every leaf has a
+/// The largest number of primitives in a hierarchy: their numbers stay finite floats, and every leaf has a
 /// reference.
 pub const MAX_PRIMITIVES: usize = Child::INDEX as usize + 1;
 const _: () = assert!(f32::from_bits(NUMBER_BASE + MAX_PRIMITIVES as u32 - 1).is_finite());

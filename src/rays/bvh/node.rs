@@ -67,7 +67,7 @@ const _: () = {
     }
 };
 
-/// The boxes of the children, and the children: four or eight cache lines.
+/// The boxes and the references of the children: four or eight cache lines.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct WideNode {

@@ -47,7 +47,7 @@ impl List {
             counter.list(tested, rays.len().div_ceil(L::WIDTH), rays.len());
         }
         let [spheres, triangles] = tested.0;
-        // Without any candidate, the loop over no sphere stores the misses.
+        // If there are no candidates, the loop over zero spheres stores the misses.
         if spheres > 0 || triangles == 0 {
             self.spheres.trace::<L>(rays, hits, listed.map(|listed| listed.of_kind(Kind::Sphere)));
         }

@@ -13,14 +13,13 @@ use crate::geometry::Geometry;
 use crate::lane::NATIVE_WIDTH;
 use std::sync::Arc;
 
-/// Up to this [`list_cost`](crate::KindCounts::list_cost) primitives are tested one by one, above it through
-/// a hierarchy: about where that becomes faster. Measured in frames, both take equally long for terrains of
-/// about 45 triangles with 16 lanes (AMD Zen 4) and 32 with 8, knots of 55 and 90, 285 spheres and 200 to
-/// 290.
+/// Up to this [cost](crate::KindCounts::list_cost) primitives are tested one by one, above it through a
+/// hierarchy, which is faster from there on. Measured in frames, both are equal for terrains of about 45
+/// triangles with 16 lanes (AMD Zen 4) and 32 with 8, knots of 55 and 90, 285 spheres and 200 to 290.
 pub const MAX_LIST_COST: usize = 240;
 
-/// Primitives ready for queries. A structure is built once and shared by all threads; [`super::Tracer`] asks
-/// it. Clones share the memory.
+/// Primitives prepared for queries, which [`super::Tracer`] runs. A structure is built once and shared by all
+/// threads. Clones share the memory.
 #[derive(Clone)]
 pub struct Structure {
     pub(super) primitives: Primitives,

@@ -14,7 +14,7 @@ use crate::rays::Kind;
 use sphere::OnSphere;
 use triangle::OnTriangle;
 
-/// The lanes whose hit is on a primitive of each kind. Where the pipeline has one kind, all lanes are of it.
+/// The lanes whose hit is on a primitive of each kind. If the pipeline has one kind, all lanes are of it.
 #[derive(Clone, Copy)]
 struct HitKinds<L: Lane> {
     sphere: L::Mask,

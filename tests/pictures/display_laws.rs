@@ -1,9 +1,11 @@
-//! Laws of what stands between a film and a window: blur, smoothed edges, noise removed, the pace of walking.
+//! Laws of what is between a film and a window: tone mapping, blur, smoothed edges, noise removed, the pace of
+//! walking.
 
 use crate::common::*;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};
 use octray::integrate::aovs::Aovs;
 use octray::integrate::edge_aovs::DenoiserAovs;
+use octray::tone::Operator;
 
 fn picture([width, height]: [u32; 2], pixel: impl FnMut((u32, u32)) -> [f32; 3]) -> Picture {
     Picture { width, height, pixels: places([width, height]).map(pixel).collect() }
@@ -397,5 +399,30 @@ fn walking_speed_is_a_quarter_of_the_near_quartile() {
         scene.spheres[0] = sphere(Vec3::Y * 3.0, radius, 0);
         let speed = walking_speed(&first_hits(&scene));
         assert!(pace.contains(&speed), "{radius}: {speed}");
+    }
+}
+
+#[test]
+fn operators_rise_from_black_to_white() {
+    for operator in Operator::ALL {
+        assert_eq!(operator.map(0.0), 0.0);
+        let mut last = 0.0;
+        for step in 0..=4_000 {
+            let shown = operator.map((step as f32 / 100.0 - 20.0).exp2());
+            assert!(shown >= last && shown <= 1.0, "{operator:?} falls or leaves [0, 1] at step {step}");
+            last = shown;
+        }
+        assert!(last > 0.999, "{operator:?} ends at {last}");
+    }
+}
+
+#[test]
+fn operators_accept_nan_infinities_and_negative_values() {
+    for operator in Operator::ALL {
+        assert_eq!(operator.map(f32::NAN), 0.0);
+        assert_eq!(operator.map(-1.0), 0.0);
+        assert_eq!(operator.map(f32::NEG_INFINITY), 0.0);
+        assert!(operator.map(f32::INFINITY) > 0.999);
+        assert!(operator.map(f32::MAX) > 0.999);
     }
 }

@@ -9,6 +9,7 @@ mod openexr;
 mod coordinates;
 mod errors;
 mod files;
+mod fingerprint;
 mod gltf;
 mod hostile;
 mod images;

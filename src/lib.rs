@@ -12,7 +12,7 @@
 //! # Ok::<(), octray::scene::SceneError>(())
 //! ```
 //!
-//! # Packages, and the way of a frame through them
+//! # Packages, and the data flow of a frame
 //! This crate is the program; it re-exports the modules of the other packages. Each package imports only
 //! those to its left.
 //!
@@ -28,9 +28,9 @@
 //!  Scene ──> Buffers, Lights, Structure   engine, rays: flattened; a list or a hierarchy of the primitives
 //!
 //!  each sample of a tile:
-//!    generate ──> closest ──> shade ──> occluded ──> Film
-//!                    ^          │
-//!                    └── bounce ┘
+//!    generate ──> intersect ──> shade ──> shadow rays ──> Film
+//!                     ^           │
+//!                     └─ bounce ──┘
 //!
 //!  Film ──> picture file                  tone, formats
 //!       └─> screen                        display, viewer
@@ -47,11 +47,11 @@
 //! | `octray` | [`machine`], [`report`], [`cli`] |
 //!
 //! # Modules of this package
-//! Each imports only those above it.
+//! Each module imports only those above it.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`machine`] | the machine and build of a figure |
+//! | [`machine`] | the machine and the build on which a figure was measured |
 //! | [`report`] | figures as text, JSON, CSV, SVG and HTML |
 //! | [`cli`] | commands, their options and help |
 //!
@@ -67,8 +67,8 @@
 //! - **Conservative culling.** A culled test never changes a hit.
 //! - **Speed and accuracy.** A speed is reported together with its accuracy, and the default methods are
 //!   robust.
-//! - **Safe.** The dependencies `wide` and `bytemuck` contain what is needed, but for a few instructions:
-//!   their `unsafe` blocks are a module of their own.
+//! - **Safe.** Vector code comes from the dependencies `wide` and `bytemuck`, except for a few instructions,
+//!   whose `unsafe` blocks are in one module of [`lane`].
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

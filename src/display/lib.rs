@@ -32,14 +32,14 @@ pub use history::History;
 
 use octray_engine::integrate::aovs::{Aovs, Plane};
 
-/// The share of the lower quartile of depths that is covered in a second.
+/// The share of the lower quartile of depths that the camera covers in a second.
 const SHARE_A_SECOND: f32 = 0.25;
-/// The speed where no pixel sees a surface, in scene units a second.
+/// The speed if no pixel sees a surface, in scene units per second.
 const DEFAULT_SPEED: f32 = 1.0;
 
-/// The speed of a walking camera, in scene units a second: a quarter of the lower quartile of the depths of
-/// the pixels that see a surface, so that near surfaces pass by at the same pace in scenes of every size. One
-/// unit where no pixel sees a surface.
+/// Returns the speed of a walking camera, in scene units per second: a quarter of the lower quartile of the
+/// depths of the pixels that see a surface, so that near surfaces pass by at the same pace in scenes of every
+/// size. It is one unit if no pixel sees a surface.
 pub fn walking_speed(aovs: &Aovs) -> f32 {
     let rows = (0..aovs.resolution()[1]).flat_map(|y| aovs.row(Plane::Distance, y));
     let mut distances: Vec<f32> = rows.copied().filter(|distance| distance.is_finite()).collect();

@@ -1,12 +1,12 @@
 //! Reads scene files and writes picture files.
 //!
 //! ```text
-//! .json (native, thesis, view), .obj + .mtl, builtin:NAME  ->  scene::load  ->  Scene (engine)
-//! film::Picture (engine)  ->  output::save  ->  .png .jpg .exr .hdr
-//! film::Film (engine)  <->  checkpoint::save, checkpoint::Checkpoint
+//! .json (native, thesis, view), .obj + .mtl, .gltf, .glb, .ply, builtin:NAME  ->  scene::load  ->  Scene
+//! film::Picture  ->  output::save  ->  .png .jpg .exr .hdr
+//! film::Film  <->  checkpoint::save, checkpoint::Checkpoint
 //! ```
 //!
-//! Each module imports only those above it.
+//! `Scene` and `film` are the engine's. Each module imports only those above it.
 //!
 //! | module | what it does |
 //! |---|---|

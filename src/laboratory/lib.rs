@@ -2,8 +2,8 @@
 //! and numerical robustness.
 //!
 //! It may import the engine and the display filters. It must not know scene files, picture files, the command
-//! line, windows or reports: the program calls it, and the tests do. Every measurement returns plain values
-//! that serialise to JSON.
+//! line, windows or reports. The program and the tests call it. Every measurement returns plain values that
+//! serialise to JSON.
 //!
 //! # Modules
 //! A module imports only from modules above it in this table; no two files import each other.
@@ -13,9 +13,9 @@
 //! | [`mod@methods`] | intersection methods that are charted beside the engine's own |
 //! | [`mod@reference`] | path tracing in f64, one ray and one primitive at a time; shares no equation with the engine |
 //! | [`mod@measure`] | the measurements: |
-//! | [`measure::quantiles`] | medians, quantiles, spreads; rounds of a measurement |
+//! | [`measure::quantiles`] | medians, quantiles and spreads of a measurement's rounds |
 //! | `measure::errors`, [`measure::flip`] | image metrics: RMSE, relative MSE, FLIP |
-//! | [`measure::cores`] | pinned threads, and what other programs took of their time |
+//! | [`measure::cores`] | pinned threads, and the share of their time that other programs took |
 //! | [`measure::timed`] | renderers timed in alternating rounds, ratios of their speeds |
 //! | [`measure::ray_sets`], [`measure::trace`] | prepared rays; the traversals that trace them, on one thread or many |
 //! | [`measure::stats`] | time by stage, rays by kind, tests per ray |
@@ -25,10 +25,10 @@
 //! | [`measure::chart`] | `octray chart`: error against time |
 //!
 //! # Rules
-//! - The reference is independent: of the engine it imports the scene's types, the sample values and the form
-//!   of a path's vertices, and nothing else. The engine therefore cannot share its mistakes.
-//! - What is compared by speed is timed in alternating rounds, so that a slow spell of the machine affects
-//!   all alike.
+//! - The reference is independent: from the engine it imports only the scene's types, the sample values and
+//!   the form of a path's vertices. The engine therefore cannot share its mistakes.
+//! - Candidates compared by speed are timed in alternating rounds, so that a slow spell of the machine
+//!   affects all alike.
 //! - A speed is a median with a spread. A speed and its error come from the same run.
 //! - Random inputs are a function of fixed seeds: a failure can be repeated.
 

@@ -4,7 +4,7 @@
 //! threads of their own. Events reach the render loop through a message queue; frames reach the front end
 //! through `frame::Exchange`, which swaps buffers.
 //!
-//! Each file imports only those above it.
+//! A file imports only those above it.
 //!
 //! | file | what it does |
 //! |---|---|

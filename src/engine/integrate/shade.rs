@@ -1,5 +1,5 @@
-//! The third and last stage: shading. Adds emitted radiance, samples the BSDF, and compresses the paths that
-//! continue.
+//! The third stage: shading. Adds emitted radiance, samples the BSDF and the lights, and compresses the paths
+//! that continue.
 
 use super::bsdf::{ScatteredPath, scatter};
 use super::context::TraceContext;

@@ -120,7 +120,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
     let is_delta = !sample.pdf.lt(L::splat(f32::INFINITY));
 
     let throughput = path.throughput * (color * sample.weight);
-    // A path with throughput 0 ends here. NaN continues, so that the film counts it.
+    // A path with throughput 0 ends here. NaN goes on, to be counted at the film.
     let dark = (throughput.x + throughput.y + throughput.z).eq(L::zero());
     let ray = leave::<L, N>(surface, material, normals.ng, sample.wi, (found, is_delta));
     let inv_pdf =

@@ -302,7 +302,7 @@ pub fn scattered_cone<L: Lane>(
         | (!is(MaterialCode::FUZZY_MIRROR) & ggx::is_narrow(material.roughness_or_ior));
     let lobe = L::select(is_base, one, material.roughness_or_ior.min(one));
     let lobe = L::select(is_delta, zero, lobe);
-    // Refraction at a sphere follows another rule.
+    // Refraction at a sphere bends otherwise.
     let curvature = L::select(is(MaterialCode::GLASS), zero, surface.curvature().flip_sign(surface.facing));
     path.cone.scattered(surface.cone_width, surface.facing, curvature, lobe)
 }

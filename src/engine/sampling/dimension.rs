@@ -13,11 +13,11 @@ pub const LOBE: u32 = 0;
 /// Within an event: the choice of the light, if there are so many that [`LIGHT_POINT`] has too few digits for
 /// light and point. It is a pair with [`LOBE`].
 pub const LIGHT: u32 = 1;
-/// Within an event: the scattered direction, a pair.
+/// Within an event, a pair: the scattered direction.
 pub const DIRECTION: u32 = 2;
-/// Within an event: the light and the point on it, a pair.
+/// Within an event, a pair: the light, and the point on it.
 pub const LIGHT_POINT: u32 = 4;
-/// Within an event: one of the two lights of an alias table's entry, if [`LIGHT`] chose the entry.
+/// Within an event: which of the two lights of an alias table's entry, where [`LIGHT`] chose the entry.
 pub const LIGHT_ALIAS: u32 = 6;
 /// Within an event: one of the lights that were chosen by power. It is a pair with [`LIGHT_ALIAS`].
 pub const LIGHT_RESAMPLED: u32 = 7;

@@ -1,5 +1,5 @@
-//! Laws of what is between a film and a window: tone mapping, blur, smoothed edges, noise removed, the pace of
-//! walking.
+//! Laws of what is between a film and a window: tone mapping, blur, smoothed edges, noise removed, the pace
+//! of walking.
 
 use crate::common::*;
 use octray::display::{Blur, Denoiser, Fxaa, Samples, walking_speed};

@@ -172,25 +172,27 @@ fn history_ends_at_other_objects_normals_and_planes() {
     history.reset();
     assert_eq!(window.advance(&mut history, &flat(0.25), 1), &flat(0.25));
 
-    // The same plane of the same object, whose normals turn by so much of a right angle.
-    let kept = [0.1f32, 0.7].map(|turn| {
-        let wall = |normal: Vec3| Scene {
+    // The same plane: of the same object, whose normals turn by so much of a right angle, and of another one.
+    let kept = [(0.1f32, 0), (0.7, 0), (0.0, 1)].map(|(turn, material)| {
+        let wall = |normal: Vec3, material: u32| Scene {
             triangles: vec![triangle(
                 [vec3(-60.0, -60.0, 0.0), vec3(60.0, -60.0, 0.0), vec3(0.0, 60.0, 0.0)],
-                0,
+                material,
             )],
             normals: vec![[normal; 3]],
+            materials: vec![self::material(Diffuse); 2],
             ..diffuse()
         };
         let mut history = History::default();
-        for (normal, value) in [(Vec3::Z, 1.0), (vec3(turn.sin(), 0.0, turn.cos()), 0.0)] {
-            let mut window = Window::new(wall(normal));
+        let turned = vec3(turn.sin(), 0.0, turn.cos());
+        for (normal, material, value) in [(Vec3::Z, 0, 1.0), (turned, material, 0.0)] {
+            let mut window = Window::new(wall(normal, material));
             window.look(window.scene.camera);
             window.advance(&mut history, &flat(value), 1);
         }
         history.counts().iter().filter(|&&count| count > 1.0).count()
     });
-    assert!(kept[0] == flat(0.0).pixels.len() && kept[1] == 0, "{kept:?}");
+    assert_eq!(kept, [flat(0.0).pixels.len(), 0, 0]);
 }
 
 /// Pixels of the sky at the edge of a lamp hold some of its light: who passes by is not to see it drawn

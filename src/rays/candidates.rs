@@ -29,7 +29,7 @@ impl Candidates {
     }
     /// Adds a primitive, given by its number in a geometry with these counts.
     pub fn push(&mut self, counts: KindCounts, number: usize) {
-        let kind = counts.kind_of(number);
-        self.0[kind as usize].push((number - counts.first(kind)) as u32);
+        let (kind, index) = counts.place(number);
+        self.0[kind as usize].push(index as u32);
     }
 }

@@ -51,8 +51,9 @@ impl Geometry {
     /// # Panics
     /// If `number` is not below [`Geometry::len`].
     pub fn shape(&self, number: usize) -> Shape {
-        let kind = self.counts().kind_of(number);
-        let index = number - self.counts().first(kind);
+        self.shape_at(self.counts().place(number))
+    }
+    fn shape_at(&self, (kind, index): (Kind, usize)) -> Shape {
         match kind {
             Kind::Sphere => Shape::Sphere(self.spheres[index]),
             Kind::Triangle => Shape::Triangle(self.triangles[index]),
@@ -60,7 +61,7 @@ impl Geometry {
     }
     /// Iterates over all primitives in the order of their numbers.
     pub fn shapes(&self) -> impl Iterator<Item = Shape> {
-        (0..self.len()).map(|number| self.shape(number))
+        self.counts().places().map(|place| self.shape_at(place))
     }
     /// Returns the geometry of the primitives for which `keep(number, shape)` is true.
     pub fn only(&self, keep: impl Fn(usize, Shape) -> bool) -> Self {

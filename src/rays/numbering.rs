@@ -40,10 +40,28 @@ impl KindCounts {
     pub fn first(self, kind: Kind) -> usize {
         self.0[..kind as usize].iter().sum()
     }
+    /// Returns the kind of a primitive, and its index among those of its kind.
+    ///
+    /// # Panics
+    /// If `number` is not below [`KindCounts::total`].
+    pub fn place(self, number: usize) -> (Kind, usize) {
+        let mut index = number;
+        for (kind, count) in Kind::ALL.into_iter().zip(self.0) {
+            if index < count {
+                return (kind, index);
+            }
+            index -= count;
+        }
+        panic!("primitive {number} of {self:?}");
+    }
     /// Returns the kind of a primitive, by its number.
     pub fn kind_of(self, number: usize) -> Kind {
-        let is_before = |kind: &Kind| number < self.first(*kind) + self.0[*kind as usize];
-        Kind::ALL.into_iter().find(is_before).expect("the number of a primitive")
+        self.place(number).0
+    }
+    /// Iterates over the places of all primitives in the order of their numbers.
+    pub fn places(self) -> impl Iterator<Item = (Kind, usize)> {
+        let of_kind = |(kind, count)| (0..count).map(move |index| (kind, index));
+        Kind::ALL.into_iter().zip(self.0).flat_map(of_kind)
     }
     /// Returns the cost of testing all primitives for a ray, in tests of a sphere.
     pub fn list_cost(self) -> usize {

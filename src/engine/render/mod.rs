@@ -128,14 +128,17 @@ impl Renderer {
         );
         let camera = Pinhole::new(&scene.camera, resolution);
         let lights = Lights::new(scene, settings.methods.lights);
-        let mut buffers = Buffers::new(scene, |number| lights.sampled_as(number));
-        buffers.needs = buffers.needs.with(lights.needs()).with(features_of(scene));
         let geometry = scene.geometry();
         let structure = settings.methods.structure(scene, &geometry, lanes, &lights, tests);
         let mut visible = Vec::new();
         if structure.accepts_candidates() {
             find_visible(&mut visible, &geometry, &camera, &settings);
         }
+        let is_kept = structure.accepts_candidates() && geometry.len() <= MAX_CULLED_MOVING;
+        // A large geometry is freed before the buffers take its memory.
+        let geometry = is_kept.then_some(geometry);
+        let mut buffers = Buffers::new(scene, |number| lights.sampled_as(number));
+        buffers.needs = buffers.needs.with(lights.needs()).with(features_of(scene));
         let context = TraceContext {
             visible,
             buffers,
@@ -152,9 +155,7 @@ impl Renderer {
             PipelineChoice::General => Features::ALL,
         };
         let (features, pipeline) = pipeline_for(needs, lanes);
-        let is_kept = context.structure.accepts_candidates() && geometry.len() <= MAX_CULLED_MOVING;
-        let threads = Threads::new(threads, Scratch::new);
-        Self { settings, geometry: is_kept.then_some(geometry), context, features, pipeline, threads }
+        Self { settings, geometry, context, features, pipeline, threads: Threads::new(threads, Scratch::new) }
     }
     /// Returns the settings of the rendering.
     pub fn settings(&self) -> &Settings {

@@ -73,15 +73,16 @@ impl Scene {
     }
     /// Iterates over all primitives in the order of hits' indices: spheres first, then triangles.
     pub fn all_primitives(&self) -> impl Iterator<Item = Primitive<'_>> {
-        (0..self.primitives()).map(|number| self.primitive(number))
+        self.counts().places().map(|place| self.primitive_at(place))
     }
     /// Returns a primitive by its number.
     ///
     /// # Panics
     /// If `number` is not below [`Scene::primitives`].
     pub fn primitive(&self, number: usize) -> Primitive<'_> {
-        let kind = self.counts().kind_of(number);
-        let index = number - self.counts().first(kind);
+        self.primitive_at(self.counts().place(number))
+    }
+    fn primitive_at(&self, (kind, index): (Kind, usize)) -> Primitive<'_> {
         match kind {
             Kind::Sphere => Primitive::Sphere(&self.spheres[index]),
             Kind::Triangle => Primitive::Triangle(&self.triangles[index]),
@@ -89,11 +90,9 @@ impl Scene {
     }
     /// Returns the list of a scene file that has this primitive, given by its number, and the index there.
     pub fn place(&self, number: usize) -> (&'static str, usize) {
-        let kind = self.counts().kind_of(number);
-        let index = number - self.counts().first(kind);
-        match kind {
-            Kind::Sphere => ("spheres", index),
-            Kind::Triangle => ("triangles", index),
+        match self.counts().place(number) {
+            (Kind::Sphere, index) => ("spheres", index),
+            (Kind::Triangle, index) => ("triangles", index),
         }
     }
     /// Tests whether any primitive emits light.

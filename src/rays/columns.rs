@@ -114,6 +114,11 @@ impl<'a> Rays<'a> {
             }),
         }
     }
+    /// Returns the ranges of whole packets of `lanes` rays, and of the rest, in packets of one ray.
+    pub(crate) fn in_packets(&self, lanes: usize) -> [(Range<usize>, usize); 2] {
+        let packets = self.count - self.count % lanes;
+        [(0..packets, lanes), (packets..self.count, 1)]
+    }
     /// Returns the rays with these indices.
     pub fn range(&self, range: Range<usize>) -> Rays<'a> {
         let columns = |columns: [&'a [f32]; 3]| columns.map(|column| &column[range.clone()]);

@@ -57,8 +57,7 @@ impl Custom {
     /// Improves the hits of rays in packets of `lanes`. With `any`, each ray ends at its first hit.
     pub fn trace(&self, any: bool, lanes: usize, rays: &Rays, hits: &mut Hits, counter: Option<&Counter>) {
         let Some((bvh, padding)) = &self.tree else {
-            let packets = rays.len() - rays.len() % lanes;
-            for (range, lanes) in [(0..packets, lanes), (packets..rays.len(), 1)] {
+            for (range, lanes) in rays.in_packets(lanes) {
                 if let Some(counter) = counter {
                     counter.list(self.counts, range.len() / lanes, range.len());
                 }

@@ -11,7 +11,6 @@ use super::{scalar, single};
 use crate::bvh::Trees;
 use crate::candidates::Candidates;
 use crate::columns::{Hits, Rays};
-use crate::coordinates::Coordinates;
 use crate::lane::{F32x8, F32x16, NATIVE_WIDTH};
 use crate::math::{Hit, MISS, Ray};
 use crate::prepared::SingleRay;
@@ -70,8 +69,8 @@ impl Tracer {
         Self::default()
     }
 
-    /// Finds the closest hit of each ray, in world coordinates ([`Coordinates`]). Directions may have any
-    /// length above 0, which is then the unit of `t`; other directions hit nothing.
+    /// Finds the closest hit of each ray, in world coordinates ([`crate::Coordinates`]). Directions may have
+    /// any length above 0, which is then the unit of `t`; other directions hit nothing.
     pub fn closest(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
         self.in_world::<false>(structure, rays, hits);
     }
@@ -85,16 +84,16 @@ impl Tracer {
 
     /// Traces copies of the rays in the coordinates of the structure, with directions of unit length.
     fn in_world<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
-        let Coordinates { unit, .. } = structure.coordinates();
+        let coordinates = structure.coordinates();
         let (mut columns, mut ends) = ([const { Vec::new() }; 6], Vec::new());
         for at in 0..rays.len() {
             let Ray { origin, direction } = rays.packet::<f32>(at);
-            let origin = structure.coordinates().to_scene(origin.get(0).into()).as_vec3().to_array();
+            let origin = coordinates.to_scene(origin.get(0).into()).as_vec3().to_array();
             let direction = direction.get(0).as_dvec3();
             let length = Some(direction.length()).filter(|length| (length - 1.0).abs() > 1e-6).unwrap_or(1.0);
             let of_ray = origin.into_iter().chain((direction / length).as_vec3().to_array());
             columns.iter_mut().zip(of_ray).for_each(|(column, x)| column.push(x));
-            let (end, scale) = (rays.t_max::<f32>(at), length / unit);
+            let (end, scale) = (rays.t_max::<f32>(at), length / coordinates.unit);
             let end = if end > hits.t[at] { hits.t[at] } else { end };
             // A NaN, as from a direction of length 0, is no hit.
             hits.t[at] = if length > 0.0 { (f64::from(end) * scale) as f32 } else { f32::NAN };
@@ -112,39 +111,31 @@ impl Tracer {
     /// directions of unit length; overwrites the hits. Rays that are [`Rays::among`] candidates hit no other
     /// primitive. A list reads and writes whole packets: see [`Rays::first`].
     pub fn closest_in_scene(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
-        let Self { memory, counter } = self;
-        match &structure.primitives {
-            Primitives::List(list) => {
-                trace_list(list, structure.lanes, rays, hits, rays.candidates(), counter.as_ref());
-            }
-            Primitives::Tree(tree, traversal) => {
-                hits.reset(rays);
-                memory.trace::<false>(*traversal, tree, rays, hits, counter.as_ref());
-            }
-            Primitives::Custom(custom) => {
-                hits.reset(rays);
-                custom.trace(false, structure.lanes, rays, hits, counter.as_ref());
-            }
+        if let Primitives::List(list) = &structure.primitives {
+            return trace_list(list, structure.lanes, rays, hits, rays.candidates(), self.counter.as_ref());
         }
+        hits.reset(rays);
+        self.improve::<false>(structure, rays, hits);
     }
 
     /// Tests which rays hit anything, in the coordinates of [`Tracer::closest_in_scene`]. With
     /// [`Structure::with_targets`], primitives that cannot lie between a surface and a target are left out.
     pub fn occluded_in_scene(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
-        let Self { memory, counter } = self;
-        match &structure.primitives {
-            Primitives::List(list) => {
-                trace_list(list, structure.lanes, rays, hits, structure.occluders(), counter.as_ref());
-            }
-            Primitives::Tree(all, traversal) => {
-                let occluders = structure.occluders.as_ref().and_then(|few| few.hierarchy.as_ref());
-                hits.reset(rays);
-                memory.trace::<true>(*traversal, occluders.unwrap_or(all), rays, hits, counter.as_ref());
-            }
-            Primitives::Custom(custom) => {
-                hits.reset(rays);
-                custom.trace(true, structure.lanes, rays, hits, counter.as_ref());
-            }
+        if let Primitives::List(list) = &structure.primitives {
+            return trace_list(
+                list,
+                structure.lanes,
+                rays,
+                hits,
+                structure.occluders(),
+                self.counter.as_ref(),
+            );
+        }
+        hits.reset(rays);
+        let occluders = structure.occluders.as_ref().and_then(|few| few.hierarchy.as_ref());
+        match (&structure.primitives, occluders) {
+            (Primitives::Tree(_, traversal), Some(few)) => self.trace::<true>(*traversal, few, rays, hits),
+            _ => self.improve::<true>(structure, rays, hits),
         }
     }
 
@@ -236,8 +227,7 @@ fn trace_list(
 fn improve_by_list(list: &List, lanes: usize, rays: &Rays, hits: &mut Hits, counter: Option<&Counter>) {
     let ends = hits.t[..rays.len()].to_vec();
     let (before, rays) = (hits.primitive[..rays.len()].to_vec(), rays.until(&ends));
-    let packets = rays.len() - rays.len() % lanes;
-    for (range, lanes) in [(0..packets, lanes), (packets..rays.len(), 1)] {
+    for (range, lanes) in rays.in_packets(lanes) {
         trace_list(list, lanes, &rays.range(range.clone()), &mut hits.range(range), None, counter);
     }
     for (found, before) in hits.primitive.iter_mut().zip(before) {

@@ -76,8 +76,8 @@ pub struct Options {
     baseline: Option<PathBuf>,
     /// Other options, in alternating rounds.
     ///
-    /// The same options except these, such as --against "--traversal single". With other --lanes or
-    /// --threads, the first width has a ratio to the first one there.
+    /// The other side has the same options except these, as in --against "--traversal single". With other
+    /// --lanes or --threads, the first width has a ratio to the first one there.
     #[arg(long, value_name = "OPTIONS", help_heading = RATIOS, allow_hyphen_values = true, conflicts_with = "against_program")]
     against: Option<String>,
     /// Another octray, in alternating runs.

@@ -12,7 +12,7 @@ use serde_json::Value;
 #[derive(Debug, Deserialize)]
 pub struct Baseline {
     schema: String,
-    /// As JSON, because other versions have other settings.
+    /// The settings as JSON, because other versions have other ones.
     pub settings: Value,
     reliable: bool,
     scenes: Vec<MeasuredScene>,

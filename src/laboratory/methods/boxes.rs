@@ -18,7 +18,7 @@ use crate::math::{Ray, Vec3};
 /// Domain: any direction; the method says what becomes of those along an axis. Boxes whose lower corner is
 /// not above the upper one.
 pub trait BoxMethod: Send + Sync + 'static {
-    /// What is computed once per ray.
+    /// The values that are computed once per ray.
     type Precalculated<L: Lane>: Copy;
 
     /// Methods without padding ignore `padding`.

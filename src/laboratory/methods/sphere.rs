@@ -12,7 +12,7 @@ use crate::math::{Ray, Vec3};
 /// Domain: direction lengths as the method says. A NaN direction misses, and a zero one too unless the method
 /// excludes it. Inactive lanes have a `limit` of 0, with which they miss.
 pub trait SphereMethod: Send + Sync + 'static {
-    /// What is computed once per ray.
+    /// The values that are computed once per ray.
     type Precalculated<L: Lane>: Copy;
 
     /// Precalculates a ray for all spheres.

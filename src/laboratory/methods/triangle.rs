@@ -13,14 +13,14 @@ use crate::math::{Ray, Vec3};
 pub trait TriangleMethod: Send + Sync + 'static {
     /// One triangle in memory.
     type Stored: Copy + Send + Sync;
-    /// What is computed once per ray.
+    /// The values that are computed once per ray.
     type Precalculated<L: Lane>: Copy;
 
-    /// A triangle as it is kept in memory.
+    /// Returns a triangle as it is kept in memory.
     fn store(vertices: [glam::Vec3; 3]) -> Self::Stored;
     /// Precalculates a ray for all triangles.
     fn precalculate<L: Lane>(ray: &Ray<L>) -> Self::Precalculated<L>;
-    /// The hit of each lane before its `limit`.
+    /// Returns the hit of each lane before its `limit`.
     fn test<L: Lane>(ray: &Self::Precalculated<L>, triangle: &Self::Stored, limit: L) -> TriangleHit<L>;
 
     /// Returns the lower and upper corner of the triangle's own box, of methods whose hits are restricted to

@@ -281,8 +281,8 @@ fn edge_function<L: Lane>(p: (L, L), q: (L, L)) -> L {
     p.0 * q.1 - p.1 * q.0
 }
 
-/// As many triangles as one vector has lanes, as a structure of arrays: three vertices of three components,
-/// NaN in unused lanes.
+/// A block of as many triangles as one vector has lanes, in structure-of-arrays form: three vertices of three
+/// components, NaN in unused lanes.
 pub type TriangleBlock = [[[f32; NATIVE_WIDTH]; 3]; 3];
 
 /// A reference to one stored [`WoopRay`], whose numbers a test reads straight into all lanes.

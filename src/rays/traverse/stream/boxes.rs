@@ -89,7 +89,7 @@ pub fn pass_boxes<const ANY: bool, const ONE: bool>(
         } else {
             both(in_order::<L>(boxes, octants[listed.ray()]))
         };
-        // As floats: in this order a NaN in both is kept, and passes no box.
+        // Floats are compared: in this order a NaN in both is kept, and passes no box.
         let near = max(L::zero(), max(max(near.x, near.y), near.z));
         let far = min(L::splat(ray.t), min(min(far.x, far.y), far.z));
         let passes = if ORDERS_BY_T { near.to_bits().le_signed(far.to_bits()) } else { near.le(far) };

@@ -76,7 +76,7 @@
 pub use octray_display as display;
 pub use octray_engine::{
     adaptive, buffers, bvh, camera, choice, diagnosis, film, integrate, kernel, lane, lights, math,
-    path_vertex, rays, render, sampling, threads, tone, traverse,
+    path_vertex, primitives, rays, render, sampling, threads, tone, traverse,
 };
 pub use octray_formats::{checkpoint, output, scene, wording};
 pub use octray_laboratory::{measure, methods, reference};

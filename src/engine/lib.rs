@@ -32,8 +32,9 @@
 //! | [`kernel`] | BSDFs, texture lookups |
 //! | [`scene`] | the scene model: camera, materials, textures, primitives |
 //! | [`path_vertex`] | the vertices of one path as data |
-//! | [`buffers`] | the scene in flat buffers, and the features that it uses |
-//! | [`lights`] | the lights that are sampled, one file per kind, and the choice among them |
+//! | [`buffers`] | materials, textures and sky in flat buffers, and the features that a scene uses |
+//! | [`primitives`] | the kinds of primitives in shading, one file each: tables, surfaces, light |
+//! | [`lights`] | the lights that are sampled, and the choice among them |
 //! | [`camera`] | the map from raster space to primary rays |
 //! | [`integrate`] | the path estimator, as stages over queues |
 //! | [`threads`] | worker threads, each with its own working memory |
@@ -68,6 +69,7 @@ pub mod integrate;
 pub mod kernel;
 pub mod lights;
 pub mod path_vertex;
+pub mod primitives;
 pub mod render;
 pub mod sampling;
 pub mod scene;

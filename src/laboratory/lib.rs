@@ -39,8 +39,8 @@
 // `crate::scene`.
 use octray_display as display;
 use octray_engine::{
-    adaptive, buffers, camera, film, integrate, kernel, lane, lights, math, path_vertex, rays, render,
-    sampling, scene, threads, tone, traverse,
+    adaptive, buffers, camera, film, integrate, kernel, lane, lights, math, path_vertex, primitives, rays,
+    render, sampling, scene, threads, tone, traverse,
 };
 
 pub mod measure;

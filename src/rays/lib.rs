@@ -35,8 +35,7 @@
 //! | [`prepared`] | rays prepared for tests: the values computed once per ray or packet |
 //! | [`numbering`] | the kinds of primitives, and how primitives are numbered |
 //! | [`candidates`], [`columns`] | the primitives that rays can hit; rays and hits as columns |
-//! | [`kind`] | the kinds of primitives, one folder each |
-//! | [`geometry`] | all primitives of a scene |
+//! | [`kind`] | the kinds of primitives, one folder each; all primitives of a scene |
 //! | [`bvh`] | the bounding volume hierarchy: its builder and its check |
 //! | [`traverse`] | closest hit and any hit, by a list or through the hierarchy |
 //!
@@ -55,7 +54,6 @@ pub mod bvh;
 pub mod candidates;
 pub mod columns;
 pub mod coordinates;
-pub mod geometry;
 pub mod kernel;
 pub mod kind;
 pub mod lane;
@@ -67,8 +65,7 @@ pub mod traverse;
 pub use candidates::Candidates;
 pub use columns::{Hits, Rays};
 pub use coordinates::Coordinates;
-pub use geometry::{Geometry, Shape};
-pub use kind::Sphere;
+pub use kind::{Geometry, Shape, Sphere};
 pub use math::MISS;
 pub use numbering::{Kind, KindCounts, KindRanges};
 pub use traverse::{PrimitiveTests, Structure, Tracer, Traversal};

@@ -3,6 +3,8 @@
 use crate::lane::{Bits, Mask};
 
 /// A kind of primitive. Primitives are numbered in the order of their kinds.
+///
+/// Code that differs by kind is a `match` in this file, in [`crate::kind`] or in [`crate::Shape`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A sphere.

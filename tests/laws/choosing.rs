@@ -4,6 +4,7 @@
 
 use crate::common::*;
 use crate::light_laws::polygon_irradiance;
+use octray::primitives::LightTable;
 
 /// Round lamps in a row, each at its own number, of these radiances.
 fn lamps(radiances: &[f32]) -> Scene {
@@ -43,7 +44,7 @@ fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it
             // Every number there is.
             for number in 0..NUMBERS {
                 let u = number as f32 / NUMBERS as f32;
-                let (light, rest) = lights.choose_by_power::<f32>(u, never, never, count <= Lights::FEW);
+                let (light, rest) = lights.choose_by_power::<f32>(u, never, never, count <= LightTable::FEW);
                 assert!((0.0..1.0).contains(&rest), "{count} lights: {rest} left of {u}");
                 let (at, rest) = (&mut seen[light.at.x as usize], f64::from(rest));
                 *at = Seen { count: at.count + 1.0, sum: at.sum + rest, squares: at.squares + rest * rest };
@@ -104,7 +105,7 @@ fn chances_sum_to_one_and_rows_hold_those_of_their_own_light() {
         for _ in 0..1000 {
             let [u, number, more] = [(); 3].map(|()| (rng.bits() >> 8) as f32 / 16_777_216.0);
             let (light, _) =
-                lights.choose_by_power::<f32>(u, || number, || more, radiances.len() <= Lights::FEW);
+                lights.choose_by_power::<f32>(u, || number, || more, radiances.len() <= LightTable::FEW);
             let at = light.at.x as usize;
             assert_eq!((light.probability, light.emission.x), (lights.probabilities[at], radiances[at]));
         }
@@ -124,7 +125,7 @@ fn tables_hold_as_many_lights_as_they_promise() {
         }
         let needed = Settings::of(&scene);
         let many = Renderer::new(&scene, needed).needs().contains(Features::MANY_LIGHTS);
-        assert_eq!(many, count as usize > Lights::FEW, "{count} lights");
+        assert_eq!(many, count as usize > LightTable::FEW, "{count} lights");
         let general = Settings { pipeline: PipelineChoice::General, ..needed };
         assert_eq!(render(&scene, needed, 16), render(&scene, general, 16), "{count} lights");
     }

@@ -10,9 +10,9 @@ use crate::common::*;
 use octray::kernel::ray_box::{BoxRay, Padding, own_box};
 use octray::kernel::{bsdf, ray_cone, surface, texture};
 use octray::lane::{functions, lane_indices, set_bits};
-use octray::lights;
 use octray::math::Vec3;
 use octray::methods::{self, BoxMethod};
+use octray::primitives;
 use octray::sampling::{PixelCoordinates, SampleValues, random, warp};
 use std::f32::consts::PI;
 
@@ -350,9 +350,9 @@ same_at_every_width! {
     light_samples_are_the_same_at_every_width: |o| {
         let [a, ab] = [Vec3::new(o.x, o.y, o.z), Vec3::new(o.y, -o.z, o.x)];
         let (u, v) = (random::uniform::<L>(o.i, 0), random::uniform::<L>(o.j, 1));
-        let flat = lights::FlatLight { a, ab, ac: ab.cross(a), is_quad: o.mask };
+        let flat = primitives::FlatLight { a, ab, ac: ab.cross(a), is_quad: o.mask };
         let mut values = Vec::new();
-        for sample in [lights::flat::sample(&flat, u, v), lights::sphere::sample(a, o.x.abs() * u, u, v)] {
+        for sample in [primitives::flat::sample(&flat, u, v), primitives::sphere::sample(a, o.x.abs() * u, u, v)] {
             let is_seen = L::zero().lt(sample.pdf);
             values.extend([Float(sample.pdf), Truth(is_seen)]);
             values.extend(vector(Vec3::select(is_seen, sample.wi, a)));

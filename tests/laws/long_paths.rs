@@ -3,9 +3,10 @@
 
 use crate::common::*;
 use glam::Quat;
-use octray::buffers::{Buffers, SampledAs};
+use octray::buffers::Buffers;
 use octray::camera::{Pinhole, Tile};
 use octray::integrate::{Scratch, TraceContext, pipeline_for};
+use octray::primitives::{PrimitiveTables, SampledAs};
 use octray::scene::MAX_BOUNCES;
 
 /// What the robust sphere test asks of a direction, and what the estimator promises.
@@ -37,7 +38,8 @@ fn sign(bit: usize) -> f32 {
 /// The largest departure from unit length of the last segments of a tile's paths.
 fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
     let context = TraceContext {
-        buffers: Buffers::new(scene, |_| SampledAs::Nothing),
+        buffers: Buffers::new(scene),
+        primitives: PrimitiveTables::new(scene, |_| SampledAs::Nothing),
         lights: Lights::default(),
         structure: Methods::default().structure(scene, &scene.geometry(), 8, &Lights::default(), None),
         camera: Pinhole::new(&scene.camera, [16, 16]),

@@ -6,29 +6,29 @@
 //! Seeds are fixed; re-hits must be 0.
 
 use crate::common::*;
-use octray::buffers::{Buffers, SampledAs, SphereRow, TriangleRow};
 use octray::kernel::surface::{sphere_offset, sphere_surface, triangle_normal, triangle_offset};
 use octray::measure::stability::shells::{Side, leave_shell, leave_sphere};
 use octray::measure::stability::spawn::{self, SpawnMethod, leave_triangle};
 use octray::measure::stability::spheres::Ball;
 use octray::measure::stability::{FailureCounts, rooms};
+use octray::primitives::{PrimitiveTables, SampledAs, SphereRow, TriangleRow};
 
 /// How far rays travel before they leave, in sizes of what they leave.
 const TRAVELLED: [f64; 2] = [1e-2, 1e3];
 
 /// The test cases leave by the numbers that pictures are made with.
 #[test]
-fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
+fn tables_hold_the_offsets_and_normals_that_are_tested_here() {
     let mut rng = Rng(20);
     for _ in 0..100 {
         let ball = sphere(rng.in_cube().as_vec3(), rng.scale(1e-3, 1e3) as f32, 0);
         let vertices = [(); 3].map(|()| rng.in_cube().as_vec3());
         let scene = Scene { spheres: vec![ball], triangles: vec![triangle(vertices, 0)], ..diffuse() };
-        let buffers = Buffers::new(&scene, |_| SampledAs::Nothing);
-        let row = SphereRow::<f32>::fetch(&buffers.sphere_rows, 0, true);
+        let tables = PrimitiveTables::new(&scene, |_| SampledAs::Nothing);
+        let row = SphereRow::<f32>::fetch(&tables.spheres, 0, true);
         assert_eq!((row.center.get(0), row.inverse_radius), (ball.center, 1.0 / ball.radius));
         assert_eq!(row.offset, sphere_offset(ball.center, ball.radius));
-        let row = TriangleRow::<f32>::fetch(&buffers.triangle_rows, 0, true);
+        let row = TriangleRow::<f32>::fetch(&tables.triangles.rows, 0, true);
         let [a, b, c] = vertices;
         let vectors = [row.a, row.edges[0], row.edges[1], row.ng].map(|vector| vector.get(0));
         assert_eq!(vectors, [a, b - a, c - a, triangle_normal(vertices)]);

@@ -6,7 +6,7 @@ use octray::bvh::check::check_geometry;
 use octray::bvh::{Bvh, LEAF, slots};
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
 use octray::measure::stats::FrameStats;
-use octray::rays::{Hits, Rays};
+use octray::rays::{Hits, Kind, Rays};
 use octray::traverse::Tracer;
 use octray::traverse::counter::{Counts, Tests};
 
@@ -68,7 +68,7 @@ fn counted_in_tile(squares: usize, traversal: Traversal) -> Tests {
     let rays = Rays::new([&zeros, &zeros, &fives], [&x, &y, &ones]);
     let (counts, hits) = count_rays::<false>(&hierarchy, traversal, &rays);
     assert_eq!(hits, 256);
-    counts.triangles
+    counts.of_kind(Kind::Triangle)
 }
 
 /// Of 40 leaves, each of which six rays meet, and of 600, each of which less than one meets.
@@ -92,17 +92,17 @@ fn tests_of_two_triangles_are_those_counted_by_hand() {
     // the triangles for two.
     let starts = [-3.0, 0.0, 50.0];
     let none = tests(0, 0);
-    let one_by_one = Counts { boxes: tests(3, 3), triangles: tests(4, 4), spheres: none };
+    let one_by_one = Counts { boxes: tests(3, 3), primitives: [none, tests(4, 4)] };
     assert_eq!(counted::<false>(&scene, Traversal::Scalar, &starts), (one_by_one, 1));
     for traversal in [Traversal::Single, Traversal::Stream, Traversal::Packet, Traversal::Hybrid] {
-        let expected = Counts { boxes: tests(3, 3), triangles: tests(4, 2), spheres: none };
+        let expected = Counts { boxes: tests(3, 3), primitives: [none, tests(4, 2)] };
         assert_eq!(counted::<false>(&scene, traversal, &starts), (expected, 1), "{traversal:?}");
     }
     // A packet that sees the left triangle alone. The frustum of its tile meets the leaf's box, and so does
     // its own, which then is held against both triangles' boxes, in a step each; then all eight rays meet one
     // triangle.
     for traversal in [Traversal::Packet, Traversal::Hybrid] {
-        let expected = Counts { boxes: tests(4, 3), triangles: tests(8, 1), spheres: none };
+        let expected = Counts { boxes: tests(4, 3), primitives: [none, tests(8, 1)] };
         assert_eq!(counted::<false>(&scene, traversal, &[-3.0; 8]), (expected, 8), "{traversal:?}");
     }
 }
@@ -126,7 +126,7 @@ fn hybrid_goes_in_streams_where_a_tile_sees_much_and_in_packets_where_it_sees_li
         [(5000, Traversal::Stream, Traversal::Packet), (20, Traversal::Packet, Traversal::Stream)]
     {
         let scene = small_ones(across, 1);
-        let triangles = |traversal| counted::<false>(&scene, traversal, &starts).0.triangles;
+        let triangles = |traversal| counted::<false>(&scene, traversal, &starts).0.of_kind(Kind::Triangle);
         assert_eq!(triangles(Traversal::Hybrid), triangles(as_one), "{across}");
         assert_ne!(triangles(Traversal::Hybrid), triangles(unlike), "{across}");
     }
@@ -136,7 +136,8 @@ fn hybrid_goes_in_streams_where_a_tile_sees_much_and_in_packets_where_it_sees_li
 fn packets_leave_out_what_is_behind_a_wall() {
     let starts = [0.0; 64];
     let mut scene = small_ones(40, 10);
-    let triangles = |scene: &Scene| counted::<false>(scene, Traversal::Packet, &starts).0.triangles.tests;
+    let triangles =
+        |scene: &Scene| counted::<false>(scene, Traversal::Packet, &starts).0.of_kind(Kind::Triangle).tests;
     let open = triangles(&scene);
     let wall = [vec3(-9.0, -9.0, 4.0), vec3(9.0, -9.0, 4.0), vec3(0.0, 9.0, 4.0)];
     scene.triangles.push(triangle(wall, 0));
@@ -152,12 +153,12 @@ fn tests_of_a_leaf_are_its_primitives_and_no_empty_lane() {
     let boxes = |traversal, starts: &[f32]| counted::<false>(&scene, traversal, starts).0;
     let none = tests(0, 0);
     for traversal in [Traversal::Single, Traversal::Stream] {
-        let expected = Counts { boxes: tests(2, 2), triangles: none, spheres: tests(3, 1) };
+        let expected = Counts { boxes: tests(2, 2), primitives: [tests(3, 1), none] };
         assert_eq!(boxes(traversal, &[0.0, 9.0]), expected, "{traversal:?}");
     }
-    let expected = Counts { boxes: tests(2, 2), triangles: none, spheres: tests(3, 3) };
+    let expected = Counts { boxes: tests(2, 2), primitives: [tests(3, 3), none] };
     assert_eq!(boxes(Traversal::Scalar, &[0.0, 9.0]), expected);
-    let expected = Counts { boxes: tests(2, 2), triangles: none, spheres: tests(24, 3) };
+    let expected = Counts { boxes: tests(2, 2), primitives: [tests(24, 3), none] };
     assert_eq!(boxes(Traversal::Packet, &[0.0; 8]), expected);
 }
 
@@ -206,7 +207,8 @@ fn any_hit_ends_at_the_first_and_the_nearest_does_not() {
             [statistics.binary_depth, statistics.binary_nodes].map(|count| count as u64);
         let most_nodes = most_nodes(&bvh, 0);
         assert!(most_nodes < nodes, "{most_nodes} of {nodes} nodes");
-        let met = |counts: &Counts| if triangles { counts.triangles.tests } else { counts.spheres.tests };
+        let kind = if triangles { Kind::Triangle } else { Kind::Sphere };
+        let met = |counts: &Counts| counts.of_kind(kind).tests;
         for traversal in Traversal::ALL {
             for rays in [1, 2, 16] {
                 let starts = vec![0.0; rays];
@@ -306,7 +308,11 @@ fn rays_by_kind_are_all_rays_and_packets_hold_them() {
             assert!(stats.shadow_rays.packets * lanes as u64 >= to_lights, "{name}");
             // Of the box, all but ten triangles of walls and two of the lamp: the others occlude nothing.
             let triangles = to_lights * 20;
-            assert_eq!(stats.counts[RayKind::Shadow as usize].triangles.tests, triangles, "{name}");
+            assert_eq!(
+                stats.counts[RayKind::Shadow as usize].of_kind(Kind::Triangle).tests,
+                triangles,
+                "{name}"
+            );
             assert_eq!(stats.segments.len(), 4, "{name}: one segment more than bounces");
             assert!(stats.segments.is_sorted_by(|a, b| a.rays >= b.rays), "{name}");
             // Each of 12 tiles, in each of 3 samples, leaves at most one packet unfilled.
@@ -351,10 +357,10 @@ fn testing_everything_tests_every_primitive() {
         let stats = rendered(&scene, settings(&scene, TraversalChoice::Linear, lanes, 1), true).2;
         let packets: u64 = stats.segments[1..].iter().map(|segment| segment.packets).sum();
         let of = |each: u64| tests(stats.rays(RayKind::Bounce) * each, packets * each);
-        let expected = Counts { boxes: tests(0, 0), triangles: of(triangles), spheres: of(spheres) };
+        let expected = Counts { boxes: tests(0, 0), primitives: [of(spheres), of(triangles)] };
         assert_eq!(stats.counts[1], expected);
         // Primary rays meet only what their tile can see.
-        let primary = [stats.counts[0].spheres, stats.counts[0].triangles].map(|tests| tests.tests);
+        let primary = stats.counts[0].primitives.map(|tests| tests.tests);
         let rays = stats.rays(RayKind::Primary);
         assert!(primary[0] <= rays * spheres && primary[1] < rays * triangles && primary[1] > rays);
     }

@@ -1,21 +1,19 @@
-//! The scene flattened into aligned structure-of-arrays buffers, and the features that it needs.
+//! Materials, textures and sky flattened into aligned structure-of-arrays buffers, and the features that a
+//! scene needs.
 //!
 //! Shading reads *row tables* ([`rows::Rows`]) of eight floats per row, each lane at its own index: rows are
-//! fetched and transposed into packets in registers. The data of intersection is in [`crate::traverse`].
+//! fetched and transposed into packets in registers. [`crate::primitives`] has those of primitives.
 
+pub(crate) mod block_means;
 pub mod features;
-mod geometry;
-pub(crate) mod mip_chain;
+mod mip_chain;
 pub mod rows;
 mod texels;
 
 pub use features::{Features, has};
-pub use geometry::{SampledAs, SampledPrimitives, SphereRow, TriangleRow};
 pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::{metal_rough, plastic};
-use crate::kernel::surface;
-use crate::rays::{Kind, KindRanges};
 use crate::scene::{self, MaterialKind, Scene};
 use glam::Vec3;
 use rows::Rows;
@@ -24,36 +22,14 @@ use rows::Rows;
 pub struct Buffers {
     /// The features that the scene uses.
     pub needs: Features,
-    /// The number ranges of each kind of primitive.
-    pub ranges: KindRanges,
-    /// The number of spheres.
-    pub spheres: u32,
-    /// One row of eight per sphere: see [`SphereRow`].
-    pub sphere_rows: Rows,
-    /// Two rows of eight per triangle: see [`TriangleRow`].
-    pub triangle_rows: Rows,
-    /// Whether all triangles are parallel: none then hides another that shares an edge with it.
-    pub are_parallel: bool,
-    /// One row of eight per triangle: u and v of the three vertices, v downwards, and
-    /// [`surface::texture_density`]; empty without texture coordinates.
-    pub uv_rows: Rows,
     /// One row of eight per material: colour, parameter, emission, kind and texture (bits; see
     /// [`MaterialCode`]).
     pub material_rows: Rows,
-    /// Two rows of eight per triangle: normals of the first two vertices, 0, 0; normal of the third, 0. Empty
-    /// without vertex normals.
-    pub normal_rows: Rows,
-    /// One row of eight per triangle: unit tangent along growing u, handedness (+1 or −1: v grows to its
-    /// left, or right, seen from outside), 0; all 0 if u has no direction. Empty if no triangle has a normal
-    /// map.
-    pub tangent_rows: Rows,
     /// One row of eight per material, read if the pipeline has some of [`Features::DETAILS`]: index of
     /// refraction, mean transmittance of plastic's coat, roughness map, normal map and emission map (bits:
     /// index + 1, 0 for none), 0. For metal-rough the first two are the dielectric's reflectance at normal
     /// incidence and the metallic share.
     pub material_extra: Rows,
-    /// Whether any triangle has texture coordinates of its own.
-    pub has_uvs: bool,
     /// All textures, encoded for lookups.
     pub textures: Textures,
     /// The environment, seen by rays that hit nothing.
@@ -120,31 +96,12 @@ impl MaterialCode {
 }
 
 impl Buffers {
-    /// Flattens a scene. `light` returns how the primitive with a number is sampled as a light.
-    pub fn new(scene: &Scene, light: impl Fn(usize) -> SampledAs) -> Self {
-        let first_triangle = scene.counts().first(Kind::Triangle);
-        let spheres = scene.spheres.iter().enumerate().map(|(number, sphere)| {
-            let offset = scene.primitive(number).shape().offset();
-            geometry::sphere_row(sphere, offset, light(number))
-        });
-        let normal = |triangle: &scene::Triangle| surface::triangle_normal(triangle.vertices);
-        let first_normal = scene.triangles.first().map(normal).unwrap_or_default();
-        let triangles = scene.triangles.iter().enumerate();
+    /// Flattens a scene.
+    pub fn new(scene: &Scene) -> Self {
         Self {
             needs: Features::of(scene),
-            ranges: KindRanges::new(scene.counts()),
-            spheres: scene.spheres.len() as u32,
-            sphere_rows: Rows::new(spheres),
-            are_parallel: scene.triangles.iter().map(normal).all(|n| n == first_normal || n == -first_normal),
-            triangle_rows: Rows::new(triangles.flat_map(|(number, triangle)| {
-                geometry::triangle_rows(triangle, light(first_triangle + number))
-            })),
-            uv_rows: Rows::new(scene.triangles.iter().zip(&scene.uvs).map(uv_row)),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
-            normal_rows: Rows::new(scene.normals.iter().flat_map(normal_rows)),
-            tangent_rows: Rows::new(tangent_rows(scene)),
             material_extra: Rows::new(scene.materials.iter().map(detail_row)),
-            has_uvs: !scene.uvs.is_empty(),
             textures: Textures::new(&scene.textures),
             sky: Sky::new(scene.sky),
         }
@@ -180,27 +137,4 @@ fn detail_row(material: &scene::Material) -> [f32; 8] {
     let roughness_map = material.roughness_map.filter(|_| material.kind.has_roughness());
     let (normal_map, emission_map) = (code(material.normal_map), code(material.emission_map));
     [ior, transmitted, code(roughness_map), normal_map, emission_map, 0.0, 0.0, 0.0]
-}
-
-/// Returns the two rows of a triangle in [`Buffers::normal_rows`].
-fn normal_rows([a, b, c]: &[Vec3; 3]) -> [[f32; 8]; 2] {
-    [[a.x, a.y, a.z, b.x, b.y, b.z, 0.0, 0.0], [c.x, c.y, c.z, 0.0, 0.0, 0.0, 0.0, 0.0]]
-}
-
-/// Returns a row of [`Buffers::uv_rows`].
-fn uv_row((triangle, uvs): (&scene::Triangle, &[glam::Vec2; 3])) -> [f32; 8] {
-    let [au, bu, cu] = surface::remove_shared_repeats(uvs.map(|uv| f64::from(uv.x)));
-    let [av, bv, cv] = surface::remove_shared_repeats(uvs.map(|uv| 1.0 - f64::from(uv.y)));
-    [au, av, bu, bv, cu, cv, surface::texture_density(triangle.vertices, *uvs), 0.0]
-}
-
-/// Iterates over the rows of [`Buffers::tangent_rows`].
-fn tangent_rows(scene: &Scene) -> impl Iterator<Item = [f32; 8]> {
-    let mapped =
-        |triangle: &scene::Triangle| scene.materials[triangle.material as usize].normal_map.is_some();
-    let any = scene.triangles.iter().any(mapped);
-    scene.triangles.iter().zip(&scene.uvs).filter(move |_| any).map(|(triangle, uvs)| {
-        let (tangent, hand) = surface::triangle_tangent(triangle.vertices, *uvs);
-        [tangent.x, tangent.y, tangent.z, hand, 0.0, 0.0, 0.0, 0.0]
-    })
 }

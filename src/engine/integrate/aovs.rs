@@ -9,11 +9,11 @@ use super::material::MaterialSample;
 use super::queue::Path;
 use super::scratch::Scratch;
 use super::stats::RayKind;
-use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::camera::MAX_PIXELS;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::primitives::Surface;
 use crate::rays::Kind;
 
 /// The lanes of the pass. AOVs are the same at any width.
@@ -183,7 +183,7 @@ impl Seen {
             (seen.albedo, seen.scale) = displayable(radiance);
         }
         if found.any() {
-            let surface = Surface::of::<ALL>(context, path, hit, found);
+            let surface = context.surface::<_, ALL>(path, hit, found);
             let material = MaterialSample::of::<ALL>(context, &surface, found);
             let is = |kind: u32| material.kind.equals(B::splat(kind));
             let (emitted, of_emitter) = displayable(material.emission);
@@ -202,7 +202,7 @@ impl Seen {
             seen.albedo = Vec3::select(found, color, seen.albedo);
             seen.scale = L::select(found, of_color, seen.scale);
             seen.lobe = L::select(found, width, lobe);
-            seen.object = B::select(found, surface.object(context, hit), object);
+            seen.object = B::select(found, surface.object(&context.primitives, hit), object);
             seen.surface = Some((surface, material));
         }
         seen
@@ -211,7 +211,7 @@ impl Seen {
     fn planes(&self, context: &TraceContext) -> [L; PLANES] {
         let Self { hit, found, normal, albedo, scale, lobe, object, .. } = self;
         let distance = L::select(*found, hit.t, L::splat(f32::INFINITY));
-        let on_triangle = *found & context.buffers.ranges.are_of_kind(Kind::Triangle, hit.primitive);
+        let on_triangle = *found & context.primitives.ranges.are_of_kind(Kind::Triangle, hit.primitive);
         let weight = |weight| L::select(on_triangle, weight, L::zero());
         [
             distance,

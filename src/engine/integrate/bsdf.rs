@@ -3,12 +3,12 @@
 use super::context::{has, is_general};
 use super::material::{FacingNormals, MaterialSample};
 use super::queue::Path;
-use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::plastic::PlasticView;
 use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval, LobeNormals};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Ray, Vec3};
+use crate::primitives::Surface;
 use crate::sampling::{PacketValues, dimension};
 
 /// An operation on each lobe; `mask` holds the lanes that have it. Delta lobes may be left out.

@@ -6,7 +6,8 @@ use crate::camera::Pinhole;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::lights::Lights;
-use crate::math::Ray;
+use crate::math::{Hit, Ray};
+use crate::primitives::{PrimitiveTables, Surface, SurfaceTables};
 use crate::rays::{Candidates, Structure};
 use crate::sampling::Sampler;
 
@@ -53,8 +54,10 @@ pub const fn abilities(n: u32) -> Abilities {
 
 /// The scene and settings of a picture, read-only while samples are taken.
 pub struct TraceContext {
-    /// The scene in flat form.
+    /// Materials, textures and sky in flat form.
     pub buffers: Buffers,
+    /// The primitives in flat form.
+    pub primitives: PrimitiveTables,
     /// The lights that are sampled.
     pub lights: Lights,
     /// The scene in the form that intersection reads.
@@ -79,6 +82,17 @@ impl TraceContext {
     #[inline(always)]
     pub fn carries_cones<const N: u32>(&self) -> bool {
         has(N, Features::LEVELS_OF_DETAIL) && self.buffers.needs.contains(Features::LEVELS_OF_DETAIL)
+    }
+    /// Looks up the surfaces of the lanes in `found`; the others are unspecified.
+    #[inline(always)]
+    pub fn surface<L: Lane, const N: u32>(&self, path: &Path<L>, hit: &Hit<L>, found: L::Mask) -> Surface<L> {
+        Surface::of::<N>(&self.surfaces::<N>(), (&path.ray, &path.cone), hit, found)
+    }
+    /// Returns the tables of look-ups of surfaces.
+    #[inline(always)]
+    pub fn surfaces<const N: u32>(&self) -> SurfaceTables<'_> {
+        let lights = &self.lights.table;
+        SurfaceTables { primitives: &self.primitives, lights, cones: self.carries_cones::<N>() }
     }
     /// Returns the columns of the path queue that are stored.
     #[inline(always)]

@@ -8,13 +8,13 @@ use super::context::TraceContext;
 use super::context::{abilities, has};
 use super::material::MaterialSample;
 use super::queue::Path;
-use super::surface::Surface;
 use crate::buffers::{Abilities, Features};
 use crate::kernel::ray_cone;
 use crate::kernel::surface::latitude_longitude;
 use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
+use crate::primitives::Surface;
 use crate::scene::TexelKind;
 
 /// Computes the power heuristic (β = 2): the weight of a direction sampled with the pdf 1 / `inv_pdf`, which

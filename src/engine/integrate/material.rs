@@ -3,7 +3,6 @@
 use super::context::TraceContext;
 use super::context::{abilities, has, is_general, reads_texels_first};
 use super::queue::Path;
-use super::surface::Surface;
 use crate::buffers::{Features, MaterialCode};
 use crate::kernel::bsdf::metal_rough::MetalRough;
 use crate::kernel::bsdf::plastic::Plastic;
@@ -13,6 +12,7 @@ use crate::kernel::ray_cone::Cone;
 use crate::kernel::texture::{TexturePoint, srgb_to_linear};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
+use crate::primitives::Surface;
 use crate::scene::TexelKind;
 
 /// The materials of a packet of surfaces, with textures applied.
@@ -81,7 +81,7 @@ impl<L: Lane> MaterialSample<L> {
         };
         if has(N, Features::SMOOTH_NORMALS) && context.buffers.needs.contains(Features::SMOOTH_NORMALS) {
             (material.ns, material.has_shading_normal, material.bulge) =
-                surface.interpolated_normal::<N>(context, found);
+                surface.interpolated_normal::<N>(&context.primitives, found);
             material.interpolated = material.ns;
         }
         let none = L::Bits::splat(0);
@@ -99,7 +99,7 @@ impl<L: Lane> MaterialSample<L> {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
             let textured = found & !(texture | roughness_map | normal_map | emission_map).equals(none);
             if textured.any() {
-                let at = surface.texture_point::<N>(context, textured);
+                let at = surface.texture_point::<N>(&context.surfaces::<N>(), textured);
                 material.apply_color_texture::<N>(context, at, found, texture);
                 material.apply_roughness_map::<N>(context, at, found, roughness_map);
                 material.apply_normal_map::<N>(context, surface, at, found, normal_map);
@@ -219,7 +219,7 @@ impl<L: Lane> MaterialSample<L> {
         let mapped = found & !code.equals(L::Bits::splat(0));
         if has(N, Features::NORMAL_MAPS) && mapped.any() {
             let texel = texel::<L, N>(context, at, mapped, code, TexelKind::Data);
-            let (tangent, hand) = surface.tangent::<N>(context, mapped);
+            let (tangent, hand) = surface.tangent::<N>(&context.primitives, mapped);
             let (normal, exists) = normals::apply_normal_map(texel, self.ns, tangent, hand);
             let mapped = mapped & exists;
             self.ns = Vec3::select(mapped, normal, self.ns);
@@ -240,7 +240,7 @@ pub fn texel_indices<L: Lane, const N: u32>(
     if !textured.any() {
         return L::Bits::splat(0);
     }
-    let at = surface.texture_point::<N>(context, textured);
+    let at = surface.texture_point::<N>(&context.surfaces::<N>(), textured);
     context.buffers.textures.nearest_texels(texture_index(code), at, textured)
 }
 

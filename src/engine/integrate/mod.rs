@@ -45,7 +45,6 @@ mod shade;
 mod shadow_rays;
 mod silhouettes;
 pub mod stats;
-mod surface;
 mod tile_pixels;
 
 pub use context::TraceContext;

@@ -9,7 +9,6 @@ use super::material::MaterialSample;
 use super::pipeline::pipeline_for;
 use super::scratch::Scratch;
 use super::shadow_rays::{arriving_radiance, find_occluders};
-use super::surface::Surface;
 use crate::buffers::Features;
 use crate::camera::Tile;
 use crate::math::{Hit, Vec3};
@@ -64,7 +63,7 @@ fn push_end(context: &TraceContext, scratch: &Scratch, vertices: &mut Vec<PathVe
     let mut vertex = PathVertex { throughput: array(path.throughput), ..PathVertex::default() };
     vertex.emitted = array(missed_radiance::<f32, ALL, false>(context, &path, !hit.found()));
     if hit.found() {
-        let surface = Surface::of::<ALL>(context, &path, &hit, true);
+        let surface = context.surface::<_, ALL>(&path, &hit, true);
         let material = MaterialSample::of::<ALL>(context, &surface, true);
         (vertex.primitive, vertex.distance) = (Some(hit.primitive), hit.t);
         vertex.point = array(surface.point);

@@ -13,10 +13,10 @@ use super::queue::{Path, PathQueue};
 use super::scratch::Scratch;
 use super::shadow_rays::{Scattering, sample_direct_light};
 use super::silhouettes::correct_hits;
-use super::surface::Surface;
 use crate::buffers::Features;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Vec3};
+use crate::primitives::Surface;
 use std::ops::Range;
 
 /// The numbers of rays after a run of [`shade`].
@@ -57,7 +57,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
             accumulator.add(scratch, at, active, &path, radiance);
             continue;
         }
-        let surface = Surface::of::<N>(context, &path, &hit, found);
+        let surface = context.surface::<_, N>(&path, &hit, found);
         let material = material_of::<L, N>(context, scratch, at, &surface, found);
         if has(N, Features::EMISSION) {
             let emitted = surface_radiance::<L, N, FIRST>(&path, &surface, &material);
@@ -116,7 +116,7 @@ pub fn shade_last<L: Lane, const N: u32, const FIRST: bool>(
         let SegmentEnds { hit, active, found, mut radiance } =
             SegmentEnds::of::<N, FIRST>(context, &scratch.queue, at..paths.end, &path);
         if has(N, Features::EMISSION) && found.any() {
-            let surface = Surface::of::<N>(context, &path, &hit, found);
+            let surface = context.surface::<_, N>(&path, &hit, found);
             let material = material_of::<L, N>(context, scratch, at, &surface, found);
             let emitted = surface_radiance::<L, N, FIRST>(&path, &surface, &material);
             radiance = Vec3::select(found, emitted, radiance);
@@ -133,7 +133,7 @@ fn correct_triangles<L: Lane, const N: u32, const FIRST: bool>(
     scratch: &mut Scratch,
     paths: &Range<usize>,
 ) {
-    if has(N, Features::TRIANGLES) && !context.buffers.are_parallel {
+    if has(N, Features::TRIANGLES) && !context.primitives.triangles.are_parallel {
         correct_hits::<L, N, FIRST>(context, scratch, paths.clone());
     }
 }
@@ -238,7 +238,7 @@ pub fn texels_of_hits<L: Lane, const N: u32, const FIRST: bool>(
         let path = context.path::<L, N, FIRST>(queue, at);
         let hit: Hit<L> = queue.hit(at);
         let found = hit.found() & L::Mask::first(paths.end - at);
-        let surface = Surface::of::<N>(context, &path, &hit, found);
+        let surface = context.surface::<_, N>(&path, &hit, found);
         texel_indices::<L, N>(context, &surface, found).store(&mut texels[at..]);
     }
     context.buffers.textures.read_texels(&mut texels[paths]);

@@ -8,12 +8,12 @@ use super::material::{MaterialSample, scattered_cone};
 use super::queue::{Path, ShadowQueue, ShadowRay};
 use super::scratch::Scratch;
 use super::stats::{RayKind, Stage};
-use super::surface::Surface;
 use crate::buffers::Features;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Lane, Mask};
-use crate::lights::{ChosenLight, LightSample};
 use crate::math::{Hit, Ray, Vec3};
+use crate::primitives::Surface;
+use crate::primitives::{ChosenLight, LightSample};
 use crate::rays::{Hits, Rays, Tracer};
 use crate::sampling::{PacketValues, dimension};
 
@@ -182,7 +182,7 @@ fn emitted_by_hits<L: Lane>(
     let found = seen & hit.found();
     let mut radiance = path.throughput;
     if found.any() {
-        let surface = Surface::of::<ALL>(context, &path, hit, found);
+        let surface = context.surface::<_, ALL>(&path, hit, found);
         let emission = MaterialSample::of::<ALL>(context, &surface, found).emission;
         radiance = Vec3::select(found, radiance * emission, radiance);
     }

@@ -2,10 +2,10 @@
 
 use super::context::TraceContext;
 use super::scratch::Scratch;
-use crate::buffers::TriangleRow;
 use crate::kernel::surface::inset;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{EPSILON, Hit, MISS};
+use crate::primitives::TriangleRow;
 use crate::rays::{Hits, Kind, Rays};
 use crate::traverse::Tracer;
 use std::ops::Range;
@@ -32,7 +32,7 @@ pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
     scratch: &mut Scratch,
     paths: Range<usize>,
 ) {
-    let ranges = context.buffers.ranges;
+    let ranges = context.primitives.ranges;
     for at in paths.clone().step_by(L::WIDTH) {
         let hit: Hit<L> = scratch.queue.hit(at);
         let on_triangle = hit.found() & ranges.are_of_kind(Kind::Triangle, hit.primitive);
@@ -45,7 +45,7 @@ pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
         let index = ranges.index_in_kind(Kind::Triangle, hit.primitive);
         let triangle = L::Bits::select(near, index, L::Bits::splat(0));
         let TriangleRow { a, edges, ng, offset, near_edge, .. } =
-            TriangleRow::fetch(&context.buffers.triangle_rows, triangle, false);
+            TriangleRow::fetch(&context.primitives.triangles.rows, triangle, false);
         // Like `triangle_offset`, for a ray that comes from far away.
         let error = L::splat(16.0 * EPSILON).mul_add(hit.t, offset);
         let at_edge = near & (hit.least_weight() * offset).lt(near_edge * L::splat(SHARE) * error);

@@ -1,10 +1,10 @@
 //! Chooses lights over lanes: by the irradiance that each brings to a point, or by power.
 
-use super::{ChosenLight, Lights};
-use crate::buffers::rows::Rows;
+use super::Lights;
 use crate::buffers::{Features, has};
-use crate::lane::{Bits, Lane, functions};
+use crate::lane::{Bits, Lane};
 use crate::math::{BELOW_ONE, Vec3};
+use crate::primitives::light::{ChosenLight, irradiance};
 use crate::sampling::{PacketValues, dimension};
 
 /// The number of lights that [`Lights::resample`] compares.
@@ -41,7 +41,7 @@ impl Lights {
 
     /// Chooses a light by `u`, and also returns the rest of `u`, as [`Lights::choose`] does. Among more than
     /// 64 lights `number` and `second_number` choose, and `u` is returned whole. `fits_registers` promises at
-    /// most [`Lights::FEW`] lights.
+    /// most [`crate::primitives::LightTable::FEW`] lights.
     ///
     /// Domain: there are lights.
     #[inline(always)]
@@ -57,7 +57,7 @@ impl Lights {
             count if fits_registers || count <= Self::MAX_SHARED => self.alias_table.choose(u),
             _ => (self.alias_table.choose_by_two(number(), second_number()), u),
         };
-        (self.fetch(light, L::one(), fits_registers), rest)
+        (self.table.fetch(light, L::one(), fits_registers), rest)
     }
 
     /// Chooses one of few lights by `u`, in proportion to its irradiance at `place`, ignoring occlusion. Also
@@ -89,7 +89,7 @@ impl Lights {
         let possible = L::zero().lt(share);
         let per_share = L::one() / L::select(possible, share, L::one());
         let rest = ((at - start) * per_share).max(L::zero()).min(L::splat(BELOW_ONE));
-        let mut chosen = self.fetch(light, L::one(), fits_registers);
+        let mut chosen = self.table.fetch(light, L::one(), fits_registers);
         // The weight is 0 if no light is above the horizon.
         chosen.weight = (chosen.probability * (sum * per_share)).only(possible);
         (chosen, rest)
@@ -117,7 +117,7 @@ impl Lights {
             // The candidates are evenly spread over the table.
             let at = (number + L::splat(candidate as f32)) * L::splat(1.0 / CANDIDATES as f32);
             let light = self.alias_table.choose_by_two(at.min(below_one), second_number);
-            let own = irradiance(&self.importance_rows, light, place, false) / self.probability(light);
+            let own = irradiance(&self.importance_rows, light, place, false) / self.table.probability(light);
             sum = sum + own;
             // Weighted reservoir sampling; the rest of the number is used again.
             let share = L::select(L::zero().lt(own), own / sum, L::zero());
@@ -130,51 +130,6 @@ impl Lights {
         let mean = sum * L::splat(1.0 / CANDIDATES as f32);
         // The weight is 0 if no candidate is above the horizon.
         let weight = L::select(L::zero().lt(quotient), mean / quotient, L::zero());
-        self.fetch(chosen, weight, false)
+        self.table.fetch(chosen, weight, false)
     }
-}
-
-/// Returns the row by which a light within a sphere is weighed: centre, radius, unit normal of a flat light
-/// or else 0, and its power over 4π, or over 2π for a flat light.
-pub(super) fn bounded_importance(
-    center: glam::Vec3,
-    radius: f32,
-    normal: Option<glam::Vec3>,
-    power: f64,
-) -> [f32; 8] {
-    let n = normal.unwrap_or_default();
-    [center.x, center.y, center.z, radius, n.x, n.y, n.z, power as f32]
-}
-
-/// Returns the row of a light that brings the same mean irradiance everywhere. A mark replaces the radius.
-pub(super) fn importance_everywhere(irradiance: f64) -> [f32; 8] {
-    const MARK: f32 = -1.0;
-    [0.0, 0.0, 0.0, MARK, 0.0, 0.0, 0.0, irradiance as f32]
-}
-
-/// Returns an estimate, from these rows, of the irradiance of a light at `point` on a surface with the normal
-/// `n`, ignoring occlusion. It is above 0 if some of the light is above the horizon.
-///
-/// Source of the bounds of cosines: A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with
-/// Adaptive Tree Splitting", HPG 2018, §4.
-#[inline(always)]
-pub(super) fn irradiance<L: Lane>(
-    rows: &Rows,
-    light: L::Bits,
-    (point, n): (Vec3<L>, Vec3<L>),
-    fits_registers: bool,
-) -> L {
-    let [x, y, z, radius, nx, ny, nz, power] = rows.fetch::<L>(light, fits_registers);
-    let (to, normal) = (Vec3::new(x, y, z) - point, Vec3::new(nx, ny, nz));
-    let distance2 = to.dot(to).max(radius * radius).max(L::splat(f32::MIN_POSITIVE));
-    let per_distance = functions::approximate_rsqrt(distance2);
-    // An angle reduced by that of the bounding sphere has a cosine that is greater by at most the sphere's
-    // sine.
-    let sine = radius * per_distance;
-    let cosine = to.dot(n).mul_add(per_distance, sine).max(L::zero()).min(L::one());
-    let facing = (to.dot(normal).abs()).mul_add(per_distance, sine).min(L::one());
-    let is_flat = L::zero().lt(normal.dot(normal));
-    let bound = power * cosine * L::select(is_flat, facing, L::one()) * (per_distance * per_distance);
-    let is_everywhere = radius.lt(L::zero());
-    L::select(is_everywhere, power, bound)
 }

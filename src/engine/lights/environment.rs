@@ -1,10 +1,8 @@
 //! The environment as a light: the sky's texture as a piecewise constant distribution over directions.
 
-use super::LightSample;
-use super::choose::importance_everywhere;
-use super::table::{KindCode, LightRow};
 use crate::lane::{Bits, Lane, functions};
 use crate::math::{Vec3, portable};
+use crate::primitives::light::{LightKind, LightRow, LightSample, importance_everywhere};
 use crate::scene::{Filter, Scene, Sky, Texture};
 use std::f32::consts::PI as PI_F32;
 use std::f64::consts::{PI, TAU};
@@ -122,7 +120,7 @@ impl EnvironmentLight {
 
     /// Returns the rows of the light.
     pub(super) fn light(&self) -> (LightRow, [f32; 8]) {
-        let row = LightRow { kind: KindCode::Environment, ..LightRow::default() };
+        let row = LightRow { kind: LightKind::Environment, ..LightRow::default() };
         (row, importance_everywhere(f64::from(PI_F32) * self.mean))
     }
 

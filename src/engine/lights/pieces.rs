@@ -1,9 +1,7 @@
 //! Splits textured triangles into pieces: if the texture is much brighter in places, each piece is a light.
 
-use super::flat::{Flat, blend, inside, sides};
 use super::power::Emitted;
-use super::{ChosenLight, Lights};
-use crate::lane::{Bits, Lane};
+use crate::primitives::flat::{Flat, blend, inside, sides};
 use crate::rays::Kind;
 use crate::scene::Filter;
 use glam::DVec2;
@@ -81,21 +79,5 @@ impl Emitted<'_> {
         let floored = powers.iter().map(|(power, area)| power.max(MIN_POWER * area * mean));
         let total: f64 = floored.clone().sum();
         pays.then(|| floored.map(|power| power / total).collect())
-    }
-}
-
-impl Lights {
-    /// Returns the lights that are the pieces of triangles at barycentrics, in the lanes of `mask`; `first`
-    /// is the light of the triangle's first piece.
-    #[inline(always)]
-    pub(super) fn piece_at<L: Lane>(&self, first: L::Bits, (u, v): (L, L), mask: L::Mask) -> ChosenLight<L> {
-        let side = L::splat(self.pieces_side as f32);
-        let last = side - L::one();
-        let row = (v * side).floor().max(L::zero()).min(last);
-        let column = (u * side).floor().max(L::zero()).min(last - row);
-        // Row r begins after r rows, each one shorter than the one before.
-        let before = row * L::splat(-0.5).mul_add(row - L::one(), side);
-        let light = first.wrapping_add((before + column).truncate_to_int());
-        self.fetch(L::Bits::select(mask, light, L::Bits::splat(0)), L::one(), false)
     }
 }

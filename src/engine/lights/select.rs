@@ -1,12 +1,13 @@
 //! Selects the lights of a scene: which emitters are sampled, which triangles are one light, and which are
 //! many.
 
-use super::flat::Flat;
 use super::parallelograms::{self, Half};
 use super::power::{Emitted, has_texture};
-use super::table::LightRow;
-use super::{EnvironmentLight, LightChoice, overlaps, pieces, sphere};
+use super::{EnvironmentLight, LightChoice, overlaps, pieces};
 use crate::math::MISS;
+use crate::primitives;
+use crate::primitives::flat::Flat;
+use crate::primitives::light::LightRow;
 use crate::scene::{Primitive, Scene, Triangle};
 use std::collections::HashMap;
 
@@ -65,13 +66,11 @@ impl Selection {
             found.halves = parallelograms::find(scene, power);
         }
         for number in emitters {
-            match scene.primitive(number) {
-                Primitive::Sphere(sphere) => {
-                    found.add(scene, [number; 2], powers[number], sphere::light(sphere, powers[number]));
-                }
-                Primitive::Triangle(triangle) => {
-                    found.add_triangle(scene, (number, triangle), &powers, in_pieces.get(&number));
-                }
+            if let Primitive::Triangle(triangle) = scene.primitive(number) {
+                found.add_triangle(scene, (number, triangle), &powers, in_pieces.get(&number));
+            } else {
+                let light = primitives::light(scene.primitive(number), powers[number]);
+                found.add(scene, [number; 2], powers[number], light);
             }
         }
         if let Some(sky) = sky.filter(|_| sky_power > 0.0) {

@@ -4,10 +4,10 @@ use super::alias_table::AliasTable;
 use super::parallelograms::Half;
 use super::select::Selection;
 use super::{EnvironmentLight, LightChoice};
+use crate::buffers::Features;
 use crate::buffers::rows::Rows;
-use crate::buffers::{Features, SampledAs};
 use crate::lane::{Bits, Lane};
-use crate::math;
+use crate::primitives::light::{LightRow, LightTable, SampledAs};
 use crate::scene::{MaterialKind, Scene};
 use glam::Vec3;
 use std::collections::HashMap;
@@ -19,8 +19,8 @@ use std::collections::HashMap;
 /// least `MIN_SHARE`.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
-    /// Two rows of eight per light: see [`LightRow`].
-    rows: Rows,
+    /// The rows of the lights.
+    pub table: LightTable,
     pub(super) alias_table: AliasTable,
     /// The rows of eight by which [`Lights::compare`] and [`Lights::resample`] weigh lights; empty if lights
     /// are chosen only by power: one light, or more than [`Lights::MAX_COMPARED`] and at most `MAX_SHARED`.
@@ -34,8 +34,6 @@ pub struct Lights {
     halves: HashMap<usize, Half>,
     /// The light that is the first piece of each triangle sampled in pieces; the others follow.
     first_pieces: HashMap<usize, u32>,
-    /// The number of pieces along an edge of such a triangle.
-    pub(super) pieces_side: usize,
     /// The two primitives of each light, or twice the one; stored only if [`Lights::needs_hits`].
     primitives: Vec<u32>,
 }
@@ -50,8 +48,6 @@ const MIN_CONTRAST: f64 = 2.0;
 const MIN_SHARE: f64 = 1.0 / 64.0;
 
 impl Lights {
-    /// The largest number of lights whose rows fit the register form.
-    pub const FEW: usize = Rows::FEW / 2;
     /// The largest number of lights for which the number that chooses a light has enough binary digits left
     /// for a point on it: 18 on average, and 12 for a light of the least probability ([`MIN_SHARE`]).
     pub(super) const MAX_SHARED: usize = 64;
@@ -88,15 +84,17 @@ impl Lights {
             importance_rows: Rows::new(important.map(|light| light.importance)),
             primitives: identified.flat_map(|light| light.primitives).collect(),
             // If hits decide, the emission of a light is known only when a shadow ray has hit it.
-            rows: Rows::new(lights.iter().zip(&shares).flat_map(|(light, &share)| match needs_hits {
-                true => LightRow { emission: Vec3::ONE, ..light.row }.pack(share as f32),
-                false => light.row.pack(share as f32),
-            })),
+            table: LightTable::new(
+                lights.iter().zip(&shares).flat_map(|(light, &share)| match needs_hits {
+                    true => LightRow { emission: Vec3::ONE, ..light.row }.pack(share as f32),
+                    false => light.row.pack(share as f32),
+                }),
+                pieces_side,
+            ),
             alias_table: AliasTable::new(&shares),
             probabilities,
             halves,
             first_pieces,
-            pieces_side,
             sky: sky.map(|sky| (sky, sky_probability)),
         }
     }
@@ -116,7 +114,7 @@ impl Lights {
     pub fn needs_hits(&self) -> bool {
         !self.primitives.is_empty()
     }
-    /// Tests whether each primitive is one of its lane's light; [`math::MISS`] represents the environment.
+    /// Tests whether each primitive is one of its lane's light; [`crate::math::MISS`] represents the environment.
     /// Domain: [`Lights::needs_hits`].
     pub fn is_primitive_of_light<L: Lane>(&self, primitive: L::Bits, light: L::Bits) -> L::Mask {
         let first = light.shl(1);
@@ -133,7 +131,7 @@ impl Lights {
     pub fn needs(&self) -> Features {
         match self.len() {
             0 => Features::NONE,
-            count if count > Self::FEW => Features::LIGHTS.with(Features::MANY_LIGHTS),
+            count if count > LightTable::FEW => Features::LIGHTS.with(Features::MANY_LIGHTS),
             _ => Features::LIGHTS,
         }
     }
@@ -165,107 +163,4 @@ fn anything_scatters(scene: &Scene) -> bool {
         MaterialKind::Diffuse | MaterialKind::FuzzyMirror { .. } => true,
         MaterialKind::Plastic { .. } | MaterialKind::MetalRough { .. } => true,
     })
-}
-
-/// The kind of a light, as stored in its row.
-#[derive(Clone, Copy, Default)]
-pub(super) enum KindCode {
-    Sphere,
-    Triangle,
-    Parallelogram,
-    #[default]
-    Environment,
-}
-
-/// A light of the table without its probability. [`ChosenLight`] explains the fields.
-#[derive(Clone, Copy, Default)]
-pub(super) struct LightRow {
-    pub kind: KindCode,
-    pub at: Vec3,
-    pub radius: f32,
-    pub edges: [Vec3; 2],
-    pub emission: Vec3,
-    pub offset: f32,
-}
-
-impl LightRow {
-    fn pack(self, probability: f32) -> [[f32; 8]; 2] {
-        let Self { kind, at, radius, edges: [ab, ac], emission: e, offset } = self;
-        let kind = f32::from_bits(kind as u32);
-        [
-            [at.x, at.y, at.z, radius, e.x, e.y, e.z, probability],
-            [ab.x, ab.y, ab.z, ac.x, ac.y, ac.z, kind, offset],
-        ]
-    }
-}
-
-/// The lanes of each kind of light. Code that differs by kind names every field, so that the compiler finds
-/// it when a kind is added.
-pub struct Kinds<L: Lane> {
-    /// The lanes with spheres.
-    pub sphere: L::Mask,
-    /// The lanes with triangles, parallelograms and pieces.
-    pub flat: L::Mask,
-    /// The lanes with the environment.
-    pub environment: L::Mask,
-}
-
-/// A light for each lane.
-pub struct ChosenLight<L: Lane> {
-    /// The index of the light.
-    pub index: L::Bits,
-    /// The kind of the light.
-    pub kinds: Kinds<L>,
-    /// The centre of a sphere, or the first vertex of a flat light.
-    pub at: math::Vec3<L>,
-    /// The radius of a sphere.
-    pub radius: L,
-    /// The edges of a flat light to the second vertex and to the third.
-    pub edges: [math::Vec3<L>; 2],
-    /// The lanes of flat lights that are the parallelogram which continues the triangle.
-    pub is_quad: L::Mask,
-    /// The radiance of the light; 1 if [`Lights::needs_hits`]; 0 for the environment, which has its own.
-    pub emission: math::Vec3<L>,
-    /// The light's error bound: shadow rays end at this distance from its surface.
-    pub offset: L,
-    /// The probability of choosing the light by power.
-    pub probability: L,
-    /// The factor of the light's contribution: 1 if it was chosen by power, else the probability by power
-    /// over that by irradiance.
-    pub weight: L,
-}
-
-impl Lights {
-    /// Fetches lights by their indices. `fits_registers` promises at most [`Lights::FEW`].
-    #[inline(always)]
-    pub(super) fn fetch<L: Lane>(&self, light: L::Bits, weight: L, fits_registers: bool) -> ChosenLight<L> {
-        let first = light.shl(1);
-        let [x, y, z, radius, r, g, b, probability] = self.rows.fetch::<L>(first, fits_registers);
-        let [abx, aby, abz, acx, acy, acz, kind, offset] =
-            self.rows.fetch::<L>(first | L::Bits::splat(1), fits_registers);
-        let is = |code: KindCode| kind.to_bits().equals(L::Bits::splat(code as u32));
-        let is_quad = is(KindCode::Parallelogram);
-        ChosenLight {
-            index: light,
-            kinds: Kinds {
-                sphere: is(KindCode::Sphere),
-                flat: is(KindCode::Triangle) | is_quad,
-                environment: is(KindCode::Environment),
-            },
-            at: math::Vec3::new(x, y, z),
-            radius,
-            edges: [math::Vec3::new(abx, aby, abz), math::Vec3::new(acx, acy, acz)],
-            is_quad,
-            emission: math::Vec3::new(r, g, b),
-            offset,
-            probability,
-            weight,
-        }
-    }
-
-    /// Returns the probability of choosing each light by power.
-    #[inline(always)]
-    pub(super) fn probability<L: Lane>(&self, light: L::Bits) -> L {
-        self.rows.fetch::<L>(light.shl(1), false)[7]
-    }
 }

@@ -16,6 +16,7 @@ use crate::lane::{F32x8, Native, WIDTHS};
 use crate::lights::Lights;
 use crate::math::{Hit, MISS};
 use crate::path_vertex::PathVertex;
+use crate::primitives::PrimitiveTables;
 use crate::rays::Candidates;
 use crate::rays::{Geometry, Kind, PrimitiveTests};
 use crate::scene::{Camera, Scene};
@@ -137,11 +138,13 @@ impl Renderer {
         let is_kept = structure.accepts_candidates() && geometry.len() <= MAX_CULLED_MOVING;
         // A large geometry is freed before the buffers take its memory.
         let geometry = is_kept.then_some(geometry);
-        let mut buffers = Buffers::new(scene, |number| lights.sampled_as(number));
+        let mut buffers = Buffers::new(scene);
+        let primitives = PrimitiveTables::new(scene, |number| lights.sampled_as(number));
         buffers.needs = buffers.needs.with(lights.needs()).with(features_of(scene));
         let context = TraceContext {
             visible,
             buffers,
+            primitives,
             lights,
             structure,
             camera,
@@ -261,7 +264,7 @@ impl Renderer {
     /// Returns the primary rays of one sample of every pixel, and their hits, tile by tile.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut scratch = Scratch::new();
-        let ranges = self.context.buffers.ranges;
+        let ranges = self.context.primitives.ranges;
         let on_triangle = |primitive: u32| primitive != MISS && ranges.are_of_kind(Kind::Triangle, primitive);
         let of_tile = |tile: Tile| {
             let paths = match self.settings.lanes {

@@ -114,8 +114,8 @@ impl TestStats {
         };
         Self {
             boxes: per_ray(counts.boxes),
-            triangles: per_ray(counts.triangles),
-            spheres: per_ray(counts.spheres),
+            triangles: per_ray(counts.of_kind(crate::rays::Kind::Triangle)),
+            spheres: per_ray(counts.of_kind(crate::rays::Kind::Sphere)),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::bounds::Bounds;
 use super::cost::LEAF_COST;
 use super::node::{Child, MAX_DEPTH, WIDE};
 use super::tree::Bvh;
-use crate::geometry::Geometry;
+use crate::kind::Geometry;
 use crate::kind::{Kind, KindCounts, LEAF, Leaf};
 use serde::Serialize;
 

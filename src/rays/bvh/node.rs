@@ -22,24 +22,17 @@ pub struct Child(pub u32);
 impl Child {
     /// Set in leaves.
     pub const LEAF: u32 = 1 << 31;
-    /// Set in leaves of spheres.
-    const SPHERES: u32 = 1 << 30;
+    /// The position of the kind of a leaf's primitives, in bits.
+    const KIND_SHIFT: u32 = (Kind::ALL.len() - 1).leading_zeros() - (usize::BITS - 31);
     /// Masks the index of a leaf among those of its kind.
-    pub(super) const INDEX: u32 = Self::SPHERES - 1;
+    pub(super) const INDEX: u32 = (1 << Self::KIND_SHIFT) - 1;
     /// No child; its box is empty, so no ray reaches it. The leaf bits are set, and the index is out of
     /// range.
     pub const NONE: Self = Self(u32::MAX);
 
     /// Returns the reference to a leaf, by its index among those of its kind.
     pub const fn leaf(kind: Kind, index: usize) -> Self {
-        Self(Self::LEAF | Self::bits_of(kind) | index as u32)
-    }
-    /// Returns the bits that mark a leaf of this kind.
-    const fn bits_of(kind: Kind) -> u32 {
-        match kind {
-            Kind::Sphere => Self::SPHERES,
-            Kind::Triangle => 0,
-        }
+        Self(Self::LEAF | (kind as u32) << Self::KIND_SHIFT | index as u32)
     }
     /// Tests whether the reference is to a leaf.
     #[inline(always)]
@@ -49,7 +42,7 @@ impl Child {
     /// Returns the kind of a leaf's primitives.
     #[inline(always)]
     pub const fn kind(self) -> Kind {
-        if self.0 & Self::SPHERES != 0 { Kind::Sphere } else { Kind::Triangle }
+        Kind::ALL[((self.0 & !Self::LEAF) >> Self::KIND_SHIFT) as usize]
     }
     /// Returns the index of a node, or of a leaf among those of its kind.
     #[inline(always)]
@@ -57,15 +50,6 @@ impl Child {
         (self.0 & Self::INDEX) as usize
     }
 }
-
-// Every kind has bits of its own.
-const _: () = {
-    let mut kind = 0;
-    while kind < Kind::ALL.len() {
-        assert!(Child::leaf(Kind::ALL[kind], 0).kind() as usize == kind);
-        kind += 1;
-    }
-};
 
 /// The boxes and the references of the children: four or eight cache lines.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -4,7 +4,7 @@ use super::bounds::{Bounds, MAX_PRIMITIVES, PackedBox};
 use super::build::Builder;
 use super::collapse::Collapse;
 use super::node::{BinaryNode, Child, WideNode};
-use crate::geometry::Geometry;
+use crate::kind::Geometry;
 use crate::kind::{Kind, KindCounts, Leaf};
 use rayon::prelude::*;
 

@@ -30,9 +30,9 @@ pub trait CounterSink: Copy {
     /// Counts one ray against the primitives of a leaf, one after the other.
     #[inline(always)]
     fn leaf_one_by_one(self, _hierarchy: &Hierarchy, _leaf: Child) {}
-    /// Counts a packet of `rays` rays against the spheres of a leaf, one after the other.
+    /// Counts a packet of `rays` rays against the primitives of a leaf, one after the other.
     #[inline(always)]
-    fn packet_spheres(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
+    fn packet(self, _hierarchy: &Hierarchy, _leaf: Child, _rays: usize) {}
     /// Counts a frustum against the boxes of a leaf's triangles, and its packet of `rays` rays against those
     /// that it meets, one after the other.
     #[inline(always)]
@@ -55,7 +55,7 @@ impl CounterSink for &Counter {
     fn leaf_one_by_one(self, hierarchy: &Hierarchy, leaf: Child) {
         self.primitives(leaf, hierarchy.filled(leaf), hierarchy.filled(leaf));
     }
-    fn packet_spheres(self, hierarchy: &Hierarchy, leaf: Child, rays: usize) {
+    fn packet(self, hierarchy: &Hierarchy, leaf: Child, rays: usize) {
         let filled = hierarchy.filled(leaf);
         self.primitives(leaf, filled, rays * filled);
     }
@@ -79,10 +79,8 @@ pub struct Tests {
 pub struct Counts {
     /// Tests of boxes.
     pub boxes: Tests,
-    /// Tests of triangles.
-    pub triangles: Tests,
-    /// Tests of spheres.
-    pub spheres: Tests,
+    /// Tests of primitives, by [`Kind`].
+    pub primitives: [Tests; Kind::ALL.len()],
 }
 
 impl AddAssign for Tests {
@@ -94,23 +92,19 @@ impl AddAssign for Tests {
 
 impl Counts {
     /// Returns the tests of primitives of all kinds.
-    pub fn primitives(mut self) -> u64 {
-        Kind::ALL.into_iter().map(|kind| self.of_kind(kind).tests).sum()
+    pub fn primitives(&self) -> u64 {
+        self.primitives.iter().map(|kind| kind.tests).sum()
     }
-    fn of_kind(&mut self, kind: Kind) -> &mut Tests {
-        match kind {
-            Kind::Sphere => &mut self.spheres,
-            Kind::Triangle => &mut self.triangles,
-        }
+    /// Returns the tests of primitives of this kind.
+    pub fn of_kind(&self, kind: Kind) -> Tests {
+        self.primitives[kind as usize]
     }
 }
 
 impl AddAssign for Counts {
     fn add_assign(&mut self, other: Self) {
-        let Self { boxes, triangles, spheres } = other;
-        self.boxes += boxes;
-        self.triangles += triangles;
-        self.spheres += spheres;
+        self.boxes += other.boxes;
+        self.primitives.iter_mut().zip(other.primitives).for_each(|(kind, other)| *kind += other);
     }
 }
 
@@ -124,12 +118,12 @@ impl Counter {
         self.0.take()
     }
     fn primitives(&self, leaf: Child, steps: usize, tests: usize) {
-        self.add(|counts| counts.of_kind(leaf.kind()), steps, tests);
+        self.add(|counts| &mut counts.primitives[leaf.kind() as usize], steps, tests);
     }
     /// Counts the tests of `rays` rays against the given primitives, in `packets` packets or one by one.
     pub fn list(&self, primitives: KindCounts, packets: usize, rays: usize) {
         for (kind, count) in Kind::ALL.into_iter().zip(primitives.0) {
-            self.add(|counts| counts.of_kind(kind), packets * count, rays * count);
+            self.add(|counts| &mut counts.primitives[kind as usize], packets * count, rays * count);
         }
     }
     fn add(&self, kind: impl FnOnce(&mut Counts) -> &mut Tests, steps: usize, tests: usize) {

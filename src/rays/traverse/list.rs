@@ -1,22 +1,16 @@
 //! Tests every ray against every primitive: fastest for small scenes, and the result that every other
 //! traversal must equal.
-//!
-//! Each kind of primitive has a loop over the rays. In short loops the processor works on several packets at
-//! a time, and a ray's values stay in registers: with 16 lanes this is 1.03 to 1.1 times as fast as one loop
-//! in scenes that have both kinds; with 8 there is no difference.
 
 use super::counter::Counter;
 use crate::candidates::Candidates;
 use crate::columns::{Hits, Rays};
 use crate::coordinates::Coordinates;
-use crate::geometry::Geometry;
-use crate::kind::{Kind, KindCounts, sphere, triangle};
+use crate::kind::{Geometry, Lists};
 use crate::lane::Lane;
 
 /// All primitives, in the order of their numbers.
 pub struct List {
-    spheres: sphere::List,
-    triangles: triangle::List,
+    primitives: Lists,
     /// The place of the primitives' coordinates in the world.
     pub(super) coordinates: Coordinates,
 }
@@ -24,12 +18,7 @@ pub struct List {
 impl List {
     /// Stores all primitives.
     pub fn new(geometry: &Geometry) -> Self {
-        let triangles = (geometry.counts().first(Kind::Triangle), geometry.triangles.as_slice());
-        Self {
-            spheres: sphere::List::new(&geometry.spheres),
-            triangles: triangle::List::new(triangles, geometry.padding()),
-            coordinates: geometry.coordinates,
-        }
+        Self { primitives: Lists::new(geometry), coordinates: geometry.coordinates }
     }
 
     /// Finds the nearest hit of each ray by testing every primitive, or only the `listed` ones, which must
@@ -41,18 +30,10 @@ impl List {
         listed: Option<&Candidates>,
         counter: Option<&Counter>,
     ) {
-        let all = KindCounts([self.spheres.len(), self.triangles.len()]);
-        let tested = listed.map_or(all, Candidates::counts);
         if let Some(counter) = counter {
+            let tested = listed.map_or(self.primitives.counts(), Candidates::counts);
             counter.list(tested, rays.len().div_ceil(L::WIDTH), rays.len());
         }
-        let [spheres, triangles] = tested.0;
-        // If there are no candidates, the loop over zero spheres stores the misses.
-        if spheres > 0 || triangles == 0 {
-            self.spheres.trace::<L>(rays, hits, listed.map(|listed| listed.of_kind(Kind::Sphere)));
-        }
-        if triangles > 0 {
-            self.triangles.trace::<L>(rays, (spheres > 0, hits), listed);
-        }
+        self.primitives.trace::<L>(rays, hits, listed);
     }
 }

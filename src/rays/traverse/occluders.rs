@@ -8,8 +8,7 @@ use super::hierarchy::Hierarchy;
 use super::structure::MAX_LIST_COST;
 use crate::bvh::Trees;
 use crate::candidates::Candidates;
-use crate::geometry::{Geometry, Shape};
-use crate::kind::Sphere;
+use crate::kind::{Geometry, Shape};
 use glam::DVec3;
 
 /// How far a surface may reach beyond a plane or sphere and still count as on its near side, relative to the
@@ -60,7 +59,7 @@ impl Occluders {
 struct Surfaces {
     /// Centre and radius (0 for a triangle's vertices), and whether the ball belongs to a target.
     balls: Vec<(DVec3, f64, bool)>,
-    /// The number of the sphere that is the only target.
+    /// The number of the only target, unless it is flat.
     only_target: Option<usize>,
     /// The largest coordinate.
     largest: f64,
@@ -76,7 +75,7 @@ impl Surfaces {
         let mut targets = (0..geometry.len()).filter(|&number| is_target(number));
         let only = targets.next().filter(|_| targets.next().is_none());
         Self {
-            only_target: only.filter(|&number| number < geometry.spheres.len()),
+            only_target: only.filter(|&number| geometry.shape(number).plane().is_none()),
             largest: largest.fold(0.0, f64::max),
             balls,
         }
@@ -89,21 +88,20 @@ impl Surfaces {
 
     /// Returns whether a primitive may come between a surface and a target.
     fn may_occlude(&self, number: usize, shape: Shape) -> bool {
-        match shape {
-            Shape::Sphere(sphere) => self.only_target != Some(number) && !self.are_inside(sphere),
-            Shape::Triangle(vertices) => self.may_separate(vertices),
+        match shape.plane() {
+            Some(points) => self.may_separate(points),
+            None => self.only_target != Some(number) && !shape.balls().all(|ball| self.are_inside(ball)),
         }
     }
 
-    /// Tests whether a sphere has all surfaces inside: it is convex, so no ray between them leaves it.
-    fn are_inside(&self, sphere: Sphere) -> bool {
-        let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
+    /// Tests whether a ball has all surfaces inside: it is convex, so no ray between them leaves it.
+    fn are_inside(&self, (center, radius): (DVec3, f64)) -> bool {
         self.balls.iter().all(|&ball| ball.0.distance(center) + ball.1 <= radius + self.tolerance(ball))
     }
 
-    /// Returns whether some surface and some target lie on different sides of a triangle's plane.
-    fn may_separate(&self, vertices: [glam::Vec3; 3]) -> bool {
-        let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+    /// Returns whether some surface and some target lie on different sides of the plane of three points.
+    fn may_separate(&self, points: [glam::Vec3; 3]) -> bool {
+        let [a, b, c] = points.map(|point| point.as_dvec3());
         let normal = (b - a).cross(c - a).normalize();
         // For each side: whether any surface reaches it, and whether any target does.
         let (mut surfaces, mut targets) = ([false; 2], [false; 2]);

@@ -9,7 +9,7 @@ use crate::bvh::check::{Statistics, check_geometry};
 use crate::bvh::{Bvh, Trees};
 use crate::candidates::Candidates;
 use crate::coordinates::Coordinates;
-use crate::geometry::Geometry;
+use crate::kind::Geometry;
 use crate::lane::NATIVE_WIDTH;
 use std::sync::Arc;
 

@@ -3,8 +3,8 @@
 
 use super::many_lamps;
 use crate::common::*;
-use octray::buffers::SampledAs;
 use octray::kernel::surface::{sphere_offset, triangle_offset};
+use octray::primitives::{LightTable, SampledAs};
 use std::collections::HashMap;
 
 #[test]
@@ -53,7 +53,7 @@ fn compared_lights_count_once_each_and_have_points_all_over_them() {
         for number in 0..NUMBERS {
             let u = number as f32 / NUMBERS as f32;
             let at = (math::Vec3::splat(point), math::Vec3::splat(n));
-            let (light, rest) = lights.compare::<f32>(at, u, count <= Lights::FEW);
+            let (light, rest) = lights.compare::<f32>(at, u, count <= LightTable::FEW);
             assert!((0.0..1.0).contains(&rest) && light.weight >= 0.0, "{rest} {}", light.weight);
             let place = [light.at.x, light.at.y, light.at.z].map(f32::to_bits);
             let more = [1.0, f64::from(light.weight / light.probability), f64::from(rest)];

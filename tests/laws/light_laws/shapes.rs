@@ -3,7 +3,7 @@
 use super::{double, polygon_irradiance, square, vector};
 use crate::common::statistics::deviation_of;
 use crate::common::*;
-use octray::lights::{self, FlatLight, LightSample};
+use octray::primitives::{self, FlatLight, LightSample};
 use std::f64::consts::PI;
 
 /// What a Lambertian point would receive from an emitter of radiance 1: the mean of direction / density,
@@ -25,7 +25,7 @@ fn a_sphere_gives_the_irradiance_of_the_closed_form() {
         let radius = rng.scale(1e-4, 1e4);
         let distance = radius * rng.scale(1.001, 1e5);
         let center = rng.direction() * distance;
-        let aim = |u, v| lights::sphere::sample(vector(center), radius as f32, u, v);
+        let aim = |u, v| primitives::sphere::sample(vector(center), radius as f32, u, v);
         // π sin² of half its angle, towards its centre.
         let truth = center.normalize() * PI * (radius / distance).powi(2);
         let error = (vector_irradiance(aim, 64) - truth).length() / truth.length();
@@ -45,7 +45,7 @@ fn flat([a, b, c]: [DVec3; 3], is_quad: bool) -> FlatLight<f32> {
 }
 
 fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> LightSample<f32> {
-    lights::flat::sample(&flat(corners, false), u, v)
+    primitives::flat::sample(&flat(corners, false), u, v)
 }
 
 /// Slivers are not asked for of parallelograms: in single precision they are others.
@@ -75,7 +75,7 @@ fn flat_lights_give_lamberts_irradiance(
         };
         sampled[usize::from(omega < 1e-3)] += 1;
         let light = flat([a, b, c], is_quad);
-        let mine = vector_irradiance(|u, v| lights::flat::sample(&light, u, v), 96);
+        let mine = vector_irradiance(|u, v| primitives::flat::sample(&light, u, v), 96);
         let truth = polygon_irradiance(&outline);
         // The order of the corners decides the sign of Lambert's vector.
         let error = (mine - truth).length().min((mine + truth).length()) / truth.length();
@@ -151,7 +151,8 @@ fn normals_of_sphere_lights_are_no_longer_than_one_at_any_distance() {
         let (u, v) = (rng.unit() as f32, rng.unit() as f32);
         let distance = rng.scale(1e-3, 1e3);
         let ratio = rng.scale(1.01, 1e12);
-        let aim = lights::sphere::sample(vector(rng.direction() * distance), (distance / ratio) as f32, u, v);
+        let aim =
+            primitives::sphere::sample(vector(rng.direction() * distance), (distance / ratio) as f32, u, v);
         let length = double(aim.n).length();
         assert!(length <= 1.5, "|n| = {length} from {ratio} radii");
         assert!(ratio > 1e4 || (length - 1.0).abs() < 1e-2, "|n| = {length} from {ratio} radii");
@@ -166,14 +167,14 @@ fn a_direction_has_the_density_it_was_drawn_with() {
         let [a, b, c] = corners(&mut rng);
         for is_quad in [false, true] {
             let light = flat([a, b, c], is_quad);
-            let aim = lights::flat::sample(&light, u, v);
-            let again = lights::flat::pdf(&light, aim.wi, aim.t);
+            let aim = primitives::flat::sample(&light, u, v);
+            let again = primitives::flat::pdf(&light, aim.wi, aim.t);
             assert!(aim.pdf == again || aim.pdf == 0.0, "{} {again}", aim.pdf);
         }
         let radius = rng.scale(1e-3, 1e3);
         let center = rng.direction() * radius * rng.scale(0.1, 1e4);
-        let aim = lights::sphere::sample(vector(center), radius as f32, u, v);
-        assert_eq!(aim.pdf, lights::sphere::pdf(vector(center), radius as f32));
+        let aim = primitives::sphere::sample(vector(center), radius as f32, u, v);
+        assert_eq!(aim.pdf, primitives::sphere::pdf(vector(center), radius as f32));
         assert_eq!(aim.pdf > 0.0, center.as_vec3().length() > radius as f32, "{center} {radius}");
         if aim.pdf > 0.0 {
             assert!(double(aim.n).dot(double(aim.wi)) < 1e-3 && aim.t > 0.0);

@@ -3,8 +3,8 @@
 use super::rng::Rng;
 use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare};
 use crate::lane::functions;
-use crate::lights::{FlatLight, LightSample, flat, sphere};
 use crate::math::Vec3;
+use crate::primitives::{FlatLight, LightSample, flat, sphere};
 use crate::sampling::warp;
 use glam::DVec3;
 use std::f32::consts::TAU;

@@ -21,7 +21,6 @@ use super::hierarchy::Hierarchy;
 use crate::bvh::{Child, WIDE, WideNode, slots};
 use crate::columns::{Hits, Rays};
 use crate::kernel::ray_box::Padding;
-use crate::kind::Kind;
 use crate::kind::triangle::TriangleLeaf;
 use crate::lane::compaction::{CHUNK, compress_where};
 use crate::lane::{Bits, F32x8, Lane, set_bits};
@@ -226,10 +225,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         self.triangle_leaves::<ANY>(node, triangles, free, [paired, count]);
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
-            match node.children()[slot].kind() {
-                Kind::Sphere => self.spheres::<ANY>(node.children()[slot], start, count),
-                Kind::Triangle => unreachable!("tested above"),
-            }
+            self.other_leaf::<ANY>(node.children()[slot], start, count);
         }
         let mut order = [0u64; WIDE];
         let order = &mut order[..nodes.count_ones() as usize];
@@ -328,14 +324,15 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    fn spheres<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
+    /// Tests the `count` rays listed from `start` on, one by one, against a leaf without triangles.
+    fn other_leaf<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
         let Self { stream, hierarchy, rays, hits, counter, .. } = self;
         let Stream { stream_rays, lists, .. } = &mut **stream;
         for &entry in &lists[start..start + count] {
             update_hit::<ANY>(entry, stream_rays, hits, |listed, hits| {
                 counter.leaf(hierarchy, leaf, 1);
                 let mut hit = listed.hit(hits);
-                hierarchy.intersect_spheres(leaf.index(), &rays.packet(listed.ray()), &mut hit);
+                hierarchy.intersect_ray(leaf, &rays.packet(listed.ray()), &mut hit);
                 Some(hit)
             });
         }

@@ -126,12 +126,11 @@ impl<'a, L: Lane, C: CounterSink> PacketTraversal<'a, L, C> {
 
     #[inline(always)]
     fn leaf(&mut self, leaf: Child) {
-        let closer = match leaf.kind() {
-            Kind::Sphere => {
-                self.tile.counter.packet_spheres(self.tile.hierarchy, leaf, L::WIDTH);
-                self.tile.hierarchy.intersect_spheres_packet(leaf.index(), &self.packet.ray, &mut self.hit)
-            }
-            Kind::Triangle => self.triangles(leaf),
+        let closer = if leaf.kind() == Kind::Triangle {
+            self.triangles(leaf)
+        } else {
+            self.tile.counter.packet(self.tile.hierarchy, leaf, L::WIDTH);
+            self.tile.hierarchy.intersect_packet(leaf, &self.packet.ray, &mut self.hit)
         };
         if closer {
             self.shorten();

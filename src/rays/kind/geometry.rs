@@ -2,11 +2,11 @@
 //!
 //! Primitives are numbered spheres first, then triangles.
 
+use super::{Kind, KindCounts, Sphere, triangle};
 use crate::candidates::Candidates;
 use crate::coordinates::Coordinates;
 use crate::kernel::ray_box::Padding;
 use crate::kernel::surface::{triangle_bounds, triangle_offset};
-use crate::kind::{Kind, KindCounts, Sphere, triangle};
 use crate::math::{Vec3, ViewFrustum};
 use glam::DVec3;
 
@@ -91,7 +91,15 @@ impl Geometry {
             lo.abs().max(hi.abs()).max_element()
         };
         let padding = Padding::new(self.shapes().map(reach).fold(0.0, f32::max));
-        if self.spheres.is_empty() { padding } else { padding.with_spheres() }
+        // The error of a sphere's hits grows with the distance of the ray's origin.
+        let grows = |(kind, count)| match kind {
+            Kind::Sphere => count > 0,
+            Kind::Triangle => false,
+        };
+        match Kind::ALL.into_iter().zip(self.counts().0).any(grows) {
+            true => padding.with_spheres(),
+            false => padding,
+        }
     }
 }
 
@@ -118,6 +126,13 @@ impl Shape {
             Self::Triangle(vertices) => triangle::surface(vertices, weights),
         };
         (point, ng, self.offset())
+    }
+    /// Returns three points of the plane of a flat shape.
+    pub fn plane(self) -> Option<[glam::Vec3; 3]> {
+        match self {
+            Self::Sphere(_) => None,
+            Self::Triangle(vertices) => Some(vertices),
+        }
     }
     /// Iterates over the centres and radii of balls whose convex hull contains the primitive.
     pub fn balls(self) -> impl Iterator<Item = (DVec3, f64)> + Clone {

@@ -1,20 +1,18 @@
 //! Flat lights: triangles, parallelograms of two triangles, and pieces of textured triangles, sampled
 //! uniformly in solid angle.
 
-use super::choose::bounded_importance;
-use super::power::{BlockMeans, GRID};
-use super::table::{KindCode, LightRow};
-use super::{ChosenLight, LightSample, Lights, valid_pdf};
-use crate::buffers::{Features, TriangleRow, has};
+use super::light::{ChosenLight, LightKind, LightRow, LightSample, bounded_importance, valid_pdf};
+use super::triangle::TriangleRow;
+use crate::buffers::block_means::{BlockMeans, GRID};
 use crate::lane::{Lane, Mask, functions};
-use crate::math::{Hit, Ray, Vec3};
+use crate::math::Vec3;
 use crate::scene::Triangle;
 use glam::{DVec2, DVec3, Vec2};
 use std::f32::consts::PI;
 
 /// A flat light before it becomes a row of the table.
 #[derive(Clone, Copy)]
-pub(super) struct Flat {
+pub(crate) struct Flat {
     /// The first vertex, and the edges from there to the second and third.
     pub a: DVec3,
     pub ab: DVec3,
@@ -34,7 +32,7 @@ impl Flat {
     /// Returns the rows of a light with this power.
     pub fn light(&self, power: f64) -> (LightRow, [f32; 8]) {
         let Self { a, ab, ac, is_quad } = *self;
-        let kind = if is_quad { KindCode::Parallelogram } else { KindCode::Triangle };
+        let kind = if is_quad { LightKind::Parallelogram } else { LightKind::Triangle };
         let edges = [ab, ac].map(|edge| edge.as_vec3());
         let row = LightRow { kind, at: a.as_vec3(), edges, ..LightRow::default() };
         let (b, c) = (a + ab, a + ac);
@@ -46,13 +44,13 @@ impl Flat {
 }
 
 /// Returns the power that a triangle emits, on both sides, at a radiance of 1.
-pub(super) fn unit_power(triangle: &Triangle) -> f64 {
+pub(crate) fn unit_power(triangle: &Triangle) -> f64 {
     let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
     f64::from(PI) * (b - a).cross(c - a).length()
 }
 
 /// Returns the sum of a texture's texels over a triangle with these texture coordinates, and their number.
-pub(super) fn sum_of_texels(texture: &BlockMeans, uvs: &[Vec2; 3]) -> (DVec3, f64) {
+pub(crate) fn sum_of_texels(texture: &BlockMeans, uvs: &[Vec2; 3]) -> (DVec3, f64) {
     let (level, points) = texture.points(sides(uvs), GRID);
     points
         .map(inside)
@@ -60,18 +58,18 @@ pub(super) fn sum_of_texels(texture: &BlockMeans, uvs: &[Vec2; 3]) -> (DVec3, f6
 }
 
 /// Returns a point of the unit square, moved into its lower triangle.
-pub(super) fn inside(at: DVec2) -> DVec2 {
+pub(crate) fn inside(at: DVec2) -> DVec2 {
     if at.x + at.y > 1.0 { DVec2::ONE - at } else { at }
 }
 
 /// Returns the texture coordinates of a triangle at barycentrics.
-pub(super) fn blend(uvs: &[Vec2; 3], at: DVec2) -> DVec2 {
+pub(crate) fn blend(uvs: &[Vec2; 3], at: DVec2) -> DVec2 {
     let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
     a + (b - a) * at.x + (c - a) * at.y
 }
 
 /// Returns the differences of texture coordinates along two sides of a triangle.
-pub(super) fn sides([a, b, c]: &[Vec2; 3]) -> [DVec2; 2] {
+pub(crate) fn sides([a, b, c]: &[Vec2; 3]) -> [DVec2; 2] {
     [*b - *a, *c - *a].map(|side| side.as_dvec2())
 }
 
@@ -81,30 +79,6 @@ impl<L: Lane> ChosenLight<L> {
     pub fn flat(&self, origin: Vec3<L>) -> FlatLight<L> {
         let [ab, ac] = self.edges;
         FlatLight { a: self.at - origin, ab, ac, is_quad: self.is_quad }
-    }
-}
-
-impl Lights {
-    /// Returns the pdf with which light sampling at a ray's origin samples its direction, if the ray hits a
-    /// triangle: that of the light that the triangle is, is half of, or has a piece of at the hit. Only for
-    /// the lanes of `mask`.
-    #[inline(always)]
-    pub fn triangle_pdf<L: Lane, const N: u32>(
-        &self,
-        triangle: &TriangleRow<L>,
-        ray: &Ray<L>,
-        hit: &Hit<L>,
-        mask: L::Mask,
-    ) -> L {
-        let mut light = FlatLight::from_triangle(triangle, ray.origin);
-        let mut probability = triangle.light.probability();
-        let in_pieces = mask & triangle.light.are_in_pieces();
-        if has(N, Features::MANY_LIGHTS) && in_pieces.any() {
-            let piece = self.piece_at(triangle.light.first_piece(), (hit.u, hit.v), in_pieces);
-            light = FlatLight::select(in_pieces, piece.flat(ray.origin), light);
-            probability = L::select(in_pieces, piece.probability, probability);
-        }
-        probability * pdf(&light, ray.direction, hit.t)
     }
 }
 
@@ -125,7 +99,7 @@ pub struct FlatLight<L: Lane> {
 impl<L: Lane> FlatLight<L> {
     /// Returns the light that a hit triangle is, or is half of, as seen from `origin`.
     #[inline(always)]
-    fn from_triangle(triangle: &TriangleRow<L>, origin: Vec3<L>) -> Self {
+    pub fn from_triangle(triangle: &TriangleRow<L>, origin: Vec3<L>) -> Self {
         let (a, [ab, ac]) = (triangle.a - origin, triangle.edges);
         let [first, second, third] = triangle.light.opposite_vertex();
         let turned = |from_b: Vec3<L>, from_c: Vec3<L>, from_a: Vec3<L>| {

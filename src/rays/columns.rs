@@ -14,7 +14,23 @@ pub struct Rays<'a> {
     /// Only hits before it count; `None` means infinity. A ray whose t_max is NaN or ≤ 0 hits nothing.
     t_max: Option<&'a [f32]>,
     candidates: Option<&'a Candidates>,
+    lower_bound: Option<LowerBounds<'a>>,
     count: usize,
+}
+
+/// The exclusive lower bounds of rays: only hits at a greater t count, and those at the same t of primitives
+/// with a higher number.
+#[derive(Clone, Copy)]
+pub(crate) struct LowerBounds<'a> {
+    t: &'a [f32],
+    primitive: &'a [u32],
+}
+
+impl LowerBounds<'_> {
+    /// Tests whether a ray's hit is beyond its bound.
+    pub fn are_below(&self, at: usize, t: f32, primitive: u32) -> bool {
+        t > self.t[at] || t == self.t[at] && primitive > self.primitive[at]
+    }
 }
 
 /// The origins of rays: columns of x, y and z, or one point.
@@ -50,6 +66,7 @@ impl<'a> Rays<'a> {
             direction,
             t_max: None,
             candidates: None,
+            lower_bound: None,
             count: direction[0].len(),
         }
     }
@@ -60,6 +77,7 @@ impl<'a> Rays<'a> {
             direction,
             t_max: None,
             candidates: None,
+            lower_bound: None,
             count: direction[0].len(),
         }
     }
@@ -72,6 +90,12 @@ impl<'a> Rays<'a> {
     pub fn until(self, t_max: &'a [f32]) -> Self {
         Self { t_max: Some(t_max), ..self }
     }
+    /// Sets an exclusive lower bound for the hits of each ray: hits count at a greater t and, at this t, on
+    /// primitives with a higher number. A ray with its last hit as the bound finds the next hit, also that on
+    /// the other side of a sphere. Such rays are traced one by one, and by [`crate::PrimitiveTests`] not at all.
+    pub fn beyond(self, t: &'a [f32], primitive: &'a [u32]) -> Self {
+        Self { lower_bound: Some(LowerBounds { t, primitive }), ..self }
+    }
     /// Sets the candidates, all primitives that the rays can hit, if they are known. Only structures for
     /// which [`crate::Structure::accepts_candidates`] holds read them.
     pub fn among(self, candidates: Option<&'a Candidates>) -> Self {
@@ -80,6 +104,10 @@ impl<'a> Rays<'a> {
     /// Returns the candidates, all primitives that the rays can hit, if they are known.
     pub(crate) fn candidates(&self) -> Option<&'a Candidates> {
         self.candidates
+    }
+    /// Returns the lower bounds of the rays' hits.
+    pub(crate) fn lower_bound(&self) -> Option<LowerBounds<'a>> {
+        self.lower_bound
     }
     /// Returns the number of rays.
     pub fn len(&self) -> usize {
@@ -127,7 +155,13 @@ impl<'a> Rays<'a> {
             common => common,
         };
         let t_max = self.t_max.map(|column| &column[range.clone()]);
-        Self { origin, direction: columns(self.direction), t_max, count: range.len(), ..*self }
+        let bound = |LowerBounds { t, primitive }| LowerBounds {
+            t: &t[range.clone()],
+            primitive: &primitive[range.clone()],
+        };
+        let lower_bound = self.lower_bound.map(bound);
+        let direction = columns(self.direction);
+        Self { origin, direction, t_max, lower_bound, count: range.len(), ..*self }
     }
 }
 

@@ -14,6 +14,7 @@ pub use octray_laboratory::{measure, methods, reference};
 mod common;
 
 mod architecture;
+mod beyond;
 mod bvh_laws;
 mod choosing;
 mod determinism;

@@ -55,6 +55,14 @@ impl<L: Lane> QuadraticEquation<L> {
         (may_hit & L::zero().lt(t) & t.lt(limit), t)
     }
 
+    /// Returns the roots in front of the ray's origin, the nearest first; a number ≤ 0 or NaN means that there
+    /// is none.
+    pub fn roots(&self) -> [L; 2] {
+        // From outside the other root is q; from inside it is behind the origin.
+        let q = self.b + self.discriminant.sqrt().flip_sign(self.b);
+        [self.root(), q.only(L::zero().lt(self.c))]
+    }
+
     /// Returns the nearest root in front of the ray's origin; a number ≤ 0 or NaN means that there is none.
     #[inline(always)]
     fn root(&self) -> L {

@@ -16,6 +16,7 @@ pub use sphere::Sphere;
 
 use crate::candidates::Candidates;
 use crate::columns::{Hits, Rays};
+use crate::kernel::ray_box::Padding;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray};
 use crate::prepared::SingleRay;
@@ -65,6 +66,18 @@ impl Lists {
     /// Returns the numbers of primitives by kind.
     pub fn counts(&self) -> KindCounts {
         KindCounts([self.spheres.len(), self.triangles.len()])
+    }
+
+    /// Returns the padding that rays are prepared with.
+    pub fn padding(&self) -> Padding {
+        self.triangles.padding
+    }
+
+    /// Calls `visit` with each hit of a ray with any primitive, in no order.
+    pub fn visit(&self, ray: &SingleRay, visit: &mut impl FnMut(Hit<f32>)) {
+        let Self { spheres, triangles } = self;
+        spheres.visit(&ray.ray, visit);
+        triangles.visit(ray, visit);
     }
 
     /// Finds the nearest hit of each ray by testing every primitive, or only the `listed` ones, which must
@@ -141,6 +154,14 @@ impl Leaves {
                     intersect_one(corners, primitive, &ray.woop, &ray.box_ray, hit);
                 }
             }
+        }
+    }
+
+    /// Calls `visit` with each hit of a ray with the primitives of a leaf, in no order.
+    pub fn visit(&self, kind: Kind, index: usize, ray: &SingleRay, visit: &mut impl FnMut(Hit<f32>)) {
+        match kind {
+            Kind::Sphere => self.spheres[index].visit(&ray.ray, visit),
+            Kind::Triangle => self.triangles.with(index, |leaf| leaf.visit(ray, visit)),
         }
     }
 

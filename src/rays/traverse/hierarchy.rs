@@ -49,6 +49,11 @@ impl Hierarchy {
         self.leaves.intersect(leaf.kind(), leaf.index(), ray, hit);
     }
 
+    /// Calls `visit` with each hit of a ray with the primitives of a leaf, in no order.
+    pub fn visit_leaf(&self, leaf: Child, ray: &SingleRay, visit: &mut impl FnMut(Hit<f32>)) {
+        self.leaves.visit(leaf.kind(), leaf.index(), ray, visit);
+    }
+
     /// Tests one ray against the primitives of a leaf, one after the other: for the scalar baseline.
     #[inline(always)]
     pub fn intersect_leaf_one_by_one(&self, leaf: Child, ray: &SingleRay, hit: &mut Hit<f32>) {

@@ -10,7 +10,7 @@ use crate::lane::Lane;
 
 /// All primitives, in the order of their numbers.
 pub struct List {
-    primitives: Lists,
+    pub(super) primitives: Lists,
     /// The place of the primitives' coordinates in the world.
     pub(super) coordinates: Coordinates,
 }

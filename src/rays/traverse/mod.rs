@@ -7,6 +7,7 @@
 //! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
+//! | `beyond` | one ray on the wide tree or list, for hits beyond a lower bound |
 //! | `custom` | list or wide tree, with the caller's own tests of primitives |
 //!
 //! A [`Structure`] holds the list or the hierarchy, and a [`Tracer`] runs queries on it. Traversals share
@@ -15,6 +16,7 @@
 //! Every traversal gives the same hit, bit for bit, as testing every primitive in order. The nearest t wins,
 //! and the lower number on a tie.
 
+mod beyond;
 pub mod counter;
 mod custom;
 pub mod frustum;

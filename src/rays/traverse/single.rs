@@ -57,14 +57,29 @@ pub fn trace<const ANY: bool>(
     hit: &mut Hit<f32>,
     counter: impl CounterSink,
 ) {
+    descend(hierarchy, ray, stack, hit, counter, |leaf, hit| {
+        hierarchy.intersect_leaf(leaf, ray, hit);
+        ANY && hit.primitive != MISS
+    });
+}
+
+/// Visits the leaves whose boxes a ray passes before its hit, nearest first, until `visit` returns true.
+#[inline(always)]
+pub(super) fn descend(
+    hierarchy: &Hierarchy,
+    ray: &SingleRay,
+    stack: &mut Stack,
+    hit: &mut Hit<f32>,
+    counter: impl CounterSink,
+    mut visit: impl FnMut(Child, &mut Hit<f32>) -> bool,
+) {
     let box_ray = NodeRay::new(&ray.box_ray);
     let mut len = 0;
     let mut next = Child(0);
     loop {
         if next.is_leaf() {
             counter.leaf(hierarchy, next, 1);
-            hierarchy.intersect_leaf(next, ray, hit);
-            if ANY && hit.primitive != MISS {
+            if visit(next, hit) {
                 return;
             }
         } else {

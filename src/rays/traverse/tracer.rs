@@ -7,10 +7,10 @@ use super::stack::Stack;
 use super::stream::Stream;
 use super::structure::{Primitives, Structure};
 use super::tile::{self, Packets, TILE};
-use super::{scalar, single};
+use super::{beyond, scalar, single};
 use crate::bvh::Trees;
 use crate::candidates::Candidates;
-use crate::columns::{Hits, Rays};
+use crate::columns::{Hits, LowerBounds, Rays};
 use crate::lane::{F32x8, F32x16, NATIVE_WIDTH};
 use crate::math::{Hit, MISS, Ray};
 use crate::prepared::SingleRay;
@@ -100,7 +100,12 @@ impl Tracer {
             ends.push((end, hits.t[at], scale));
         }
         let [x, y, z, dx, dy, dz] = &columns;
-        self.improve::<ANY>(structure, &Rays::new([x, y, z], [dx, dy, dz]), hits);
+        let copies = Rays::new([x, y, z], [dx, dy, dz]);
+        if let Some(bounds) = rays.lower_bound() {
+            self.improve_beyond::<ANY>(structure, bounds, &copies, hits, |at: usize| ends[at].2);
+        } else {
+            self.improve::<ANY>(structure, &copies, hits);
+        }
         for (at, (end, before, scale)) in ends.into_iter().enumerate() {
             let is_new = hits.primitive[at] != MISS && hits.t[at] != before;
             hits.t[at] = if is_new { (f64::from(hits.t[at]) / scale) as f32 } else { end };
@@ -111,7 +116,7 @@ impl Tracer {
     /// directions of unit length; overwrites the hits. Rays that are [`Rays::among`] candidates hit no other
     /// primitive. A list reads and writes whole packets: see [`Rays::first`].
     pub fn closest_in_scene(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
-        if let Primitives::List(list) = &structure.primitives {
+        if let (Primitives::List(list), None) = (&structure.primitives, rays.lower_bound()) {
             return trace_list(list, structure.lanes, rays, hits, rays.candidates(), self.counter.as_ref());
         }
         hits.reset(rays);
@@ -121,7 +126,7 @@ impl Tracer {
     /// Tests which rays hit anything, in the coordinates of [`Tracer::closest_in_scene`]. With
     /// [`Structure::with_targets`], primitives that cannot lie between a surface and a target are left out.
     pub fn occluded_in_scene(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
-        if let Primitives::List(list) = &structure.primitives {
+        if let (Primitives::List(list), None) = (&structure.primitives, rays.lower_bound()) {
             return trace_list(
                 list,
                 structure.lanes,
@@ -133,7 +138,7 @@ impl Tracer {
         }
         hits.reset(rays);
         let occluders = structure.occluders.as_ref().and_then(|few| few.hierarchy.as_ref());
-        match (&structure.primitives, occluders) {
+        match (&structure.primitives, occluders.filter(|_| rays.lower_bound().is_none())) {
             (Primitives::Tree(_, traversal), Some(few)) => self.trace::<true>(*traversal, few, rays, hits),
             _ => self.improve::<true>(structure, rays, hits),
         }
@@ -142,6 +147,9 @@ impl Tracer {
     /// Finds the closest hits of rays one by one: to count each ray's tests, or for so few rays that they
     /// share nothing. The result is that of [`Tracer::closest_in_scene`].
     pub fn closest_one_by_one(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        if rays.lower_bound().is_some() {
+            return self.closest_in_scene(structure, rays, hits);
+        }
         let Self { memory, counter } = self;
         match &structure.primitives {
             Primitives::List(list) => trace_list(list, 1, rays, hits, rays.candidates(), counter.as_ref()),
@@ -161,6 +169,9 @@ impl Tracer {
     /// initial `t` of a hit is its ray's only end. With `ANY`, each ray ends at the first hit found: then
     /// only whether `primitive` is [`MISS`] is defined.
     pub fn improve<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
+        if let Some(bounds) = rays.lower_bound() {
+            return self.improve_beyond::<ANY>(structure, bounds, rays, hits, |_| 1.0);
+        }
         let Self { memory, counter } = self;
         match &structure.primitives {
             Primitives::List(list) => improve_by_list(list, structure.lanes, rays, hits, counter.as_ref()),
@@ -169,6 +180,21 @@ impl Tracer {
             }
             Primitives::Custom(custom) => custom.trace(ANY, structure.lanes, rays, hits, counter.as_ref()),
         }
+    }
+
+    /// Runs [`Tracer::improve`] on rays with lower bounds, each in units of `1 / scale(ray)`.
+    #[cold]
+    fn improve_beyond<const ANY: bool>(
+        &mut self,
+        structure: &Structure,
+        bounds: LowerBounds,
+        rays: &Rays,
+        hits: &mut Hits,
+        scale: impl Fn(usize) -> f64,
+    ) {
+        let Self { memory, counter } = self;
+        let primitives = (&structure.primitives, &mut memory.stack);
+        beyond::improve::<ANY>(primitives, bounds, rays, hits, scale, counter.as_ref());
     }
 
     /// Applies [`Tracer::improve`] to a hierarchy with any traversal. Without a binary tree,

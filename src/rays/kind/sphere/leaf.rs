@@ -52,6 +52,13 @@ impl SphereLeaf {
         }
     }
 
+    /// Calls `visit` with each hit of a ray.
+    pub fn visit(&self, ray: &Ray<f32>, visit: &mut impl FnMut(Hit<f32>)) {
+        for (lane, &primitive) in self.primitives.primitives().iter().enumerate() {
+            super::visit(ray, primitive, self.sphere(lane), visit);
+        }
+    }
+
     /// Improves the hits of a packet with the spheres, one after the other. Returns whether any hit was
     /// nearer.
     #[inline(always)]

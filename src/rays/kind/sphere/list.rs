@@ -5,7 +5,7 @@ use crate::columns::{Hits, Rays};
 use crate::kernel::ray_sphere::QuadraticEquation;
 use crate::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{MISS, Ray, Vec3};
+use crate::math::{Hit, MISS, Ray, Vec3};
 
 /// Returns the number of spheres from which on a packet first culls those that none of its rays may hit.
 /// Culling costs about half a test. Packets always compute the root, so culling pays sooner for them than for
@@ -45,6 +45,13 @@ impl List {
     /// Returns the number of spheres.
     pub(crate) fn len(&self) -> usize {
         self.spheres.len()
+    }
+
+    /// Calls `visit` with each hit of a ray.
+    pub fn visit(&self, ray: &Ray<f32>, visit: &mut impl FnMut(Hit<f32>)) {
+        for (number, &Row { center, radius2 }) in (0..).zip(&self.spheres) {
+            super::visit(ray, number, (Vec3::splat(center), radius2), visit);
+        }
     }
 
     /// Finds the nearest hit of each ray among all spheres or the `listed` ones; overwrites the hits.

@@ -7,8 +7,9 @@ pub use leaf::SphereLeaf;
 pub use list::List;
 
 use crate::kernel::ray_box::sphere_bounds;
+use crate::kernel::ray_sphere::QuadraticEquation;
 use crate::kernel::surface::{sphere_offset, sphere_surface};
-use crate::math::Vec3;
+use crate::math::{Hit, Ray, Vec3};
 
 /// A sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,18 @@ pub struct Sphere {
     pub center: glam::Vec3,
     /// The radius, above 0.
     pub radius: f32,
+}
+
+/// Calls `visit` with each hit of a ray with a sphere: none, one or two.
+pub(super) fn visit(
+    ray: &Ray<f32>,
+    number: u32,
+    (center, radius2): (Vec3<f32>, f32),
+    visit: &mut impl FnMut(Hit<f32>),
+) {
+    let (may_hit, equation) = QuadraticEquation::new(ray, center, radius2);
+    let roots = equation.roots().into_iter().filter(|&t| may_hit && t > 0.0);
+    roots.for_each(|t| visit(Hit { t, primitive: number, u: 0.0, v: 0.0 }));
 }
 
 impl Sphere {

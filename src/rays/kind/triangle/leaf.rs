@@ -5,7 +5,7 @@ use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, Woo
 use crate::kind::{LEAF, Leaf, inclusive, keep_if_nearer};
 use crate::lane::{Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
-use crate::prepared::Packet;
+use crate::prepared::{Packet, SingleRay};
 
 /// Up to [`LEAF`] triangles, 40 bytes each.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +56,16 @@ impl TriangleLeaf {
         for lane in set_bits(candidates) {
             let primitive = self.primitives.primitives[lane & (LEAF - 1)];
             intersect_one(self.corners(lane), primitive, woop, box_ray, hit);
+        }
+    }
+
+    /// Calls `visit` with each hit of a ray.
+    pub fn visit(&self, ray: &SingleRay, visit: &mut impl FnMut(Hit<f32>)) {
+        for lane in set_bits(self.candidates(ray.woop.stored())) {
+            let corners = self.corners(lane).map(|[x, y, z]| Vec3::new(x, y, z));
+            if let Some(found) = ray.woop.test_one(corners) {
+                visit_found(&found, box_of(corners), self.primitives.primitives[lane], ray, visit);
+            }
         }
     }
 
@@ -126,6 +136,20 @@ impl TriangleLeaf {
         let (bounds, infinite) = (box_of(self.corners_in_all_lanes(lane)), L::splat(f32::INFINITY));
         let (mask, t) = own_box(box_ray, bounds, found.mask, found.t, infinite);
         keep_if_nearer(mask, self.primitives.primitives[lane & (LEAF - 1)], [t, found.u, found.v], hit)
+    }
+}
+
+/// Calls `visit` with a hit that obeys the rule of the own box.
+pub(super) fn visit_found(
+    found: &TriangleHit<f32>,
+    bounds: (Vec3<f32>, Vec3<f32>),
+    primitive: u32,
+    ray: &SingleRay,
+    visit: &mut impl FnMut(Hit<f32>),
+) {
+    let (is_hit, t) = own_box(&ray.box_ray, bounds, found.mask, found.t, f32::INFINITY);
+    if is_hit {
+        visit(Hit { t, primitive, u: found.u, v: found.v });
     }
 }
 

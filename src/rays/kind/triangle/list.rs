@@ -1,5 +1,6 @@
 //! Intersects rays with a list of triangles.
 
+use super::leaf::visit_found;
 use crate::candidates::Candidates;
 use crate::columns::{Hits, Rays};
 use crate::kernel::ray_box::{BoxRay, Padding, own_box};
@@ -7,6 +8,7 @@ use crate::kernel::ray_triangle::{PairHit, TriangleHit, WoopRay, WoopTriangle};
 use crate::kind::Kind;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::prepared::SingleRay;
 
 /// All triangles, in the order of their numbers.
 pub struct List {
@@ -14,7 +16,7 @@ pub struct List {
     triangles: Vec<WoopTriangle>,
     /// The number of the first triangle.
     first: u32,
-    padding: Padding,
+    pub(crate) padding: Padding,
 }
 
 impl List {
@@ -28,6 +30,16 @@ impl List {
     /// Returns the number of triangles.
     pub(crate) fn len(&self) -> usize {
         self.triangles.len()
+    }
+
+    /// Calls `visit` with each hit of a ray.
+    pub fn visit(&self, ray: &SingleRay, visit: &mut impl FnMut(Hit<f32>)) {
+        for (number, triangle) in (self.first..).zip(&self.triangles) {
+            if let Some(found) = ray.woop.test(triangle) {
+                let [lo, hi] = triangle.own_box().map(Vec3::splat);
+                visit_found(&found, (lo, hi), number, ray, visit);
+            }
+        }
     }
 
     /// Finds the nearest hit of each ray among all triangles or the `listed` ones. With `has_hits`, an

@@ -92,7 +92,8 @@ impl<'a> Rays<'a> {
     }
     /// Sets an exclusive lower bound for the hits of each ray: hits count at a greater t and, at this t, on
     /// primitives with a higher number. A ray with its last hit as the bound finds the next hit, also that on
-    /// the other side of a sphere. Such rays are traced one by one, and by [`crate::PrimitiveTests`] not at all.
+    /// the other side of a sphere. Such rays are traced one by one, and by [`crate::PrimitiveTests`] not at
+    /// all.
     pub fn beyond(self, t: &'a [f32], primitive: &'a [u32]) -> Self {
         Self { lower_bound: Some(LowerBounds { t, primitive }), ..self }
     }

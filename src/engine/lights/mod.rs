@@ -1,8 +1,8 @@
 //! Next event estimation's lights: which emitters are lights, which light is chosen, and a point on it.
 //!
-//! The lights of primitives are files of [`crate::primitives`]; [`environment`] is the sky. Each has the power
-//! of its kind, its row of the table, *sample* and *pdf*. A new kind has a field of [`crate::primitives::LightKinds`]; the compiler
-//! then names every place that must know it.
+//! The lights of primitives are files of [`crate::primitives`]; [`environment`] is the sky. Each has the
+//! power of its kind, its row of the table, *sample* and *pdf*. A new kind has a field of
+//! [`crate::primitives::LightKinds`]; the compiler then names every place that must know it.
 //!
 //! Shapes: `WIDTH` lit points with a light each; vectors of samples are relative to the lit point.
 //! Units: pdfs per solid angle, in 1/sr; 0 if the light cannot be sampled. Then only scattered rays find it.

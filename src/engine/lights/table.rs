@@ -114,8 +114,8 @@ impl Lights {
     pub fn needs_hits(&self) -> bool {
         !self.primitives.is_empty()
     }
-    /// Tests whether each primitive is one of its lane's light; [`crate::math::MISS`] represents the environment.
-    /// Domain: [`Lights::needs_hits`].
+    /// Tests whether each primitive is one of its lane's light; [`crate::math::MISS`] represents the
+    /// environment. Domain: [`Lights::needs_hits`].
     pub fn is_primitive_of_light<L: Lane>(&self, primitive: L::Bits, light: L::Bits) -> L::Mask {
         let first = light.shl(1);
         let [one, other] = [first, first | L::Bits::splat(1)].map(|at| L::gather_bits(&self.primitives, at));

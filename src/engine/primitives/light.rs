@@ -140,7 +140,8 @@ pub struct ChosenLight<L: Lane> {
     pub edges: [Vec3<L>; 2],
     /// The lanes of flat lights that are the parallelogram which continues the triangle.
     pub is_quad: L::Mask,
-    /// The radiance of the light; 1 if [`crate::lights::Lights::needs_hits`]; 0 for the environment, which has its own.
+    /// The radiance of the light; 1 if [`crate::lights::Lights::needs_hits`]; 0 for the environment, which
+    /// has its own.
     pub emission: Vec3<L>,
     /// The light's error bound: shadow rays end at this distance from its surface.
     pub offset: L,

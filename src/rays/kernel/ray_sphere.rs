@@ -55,8 +55,8 @@ impl<L: Lane> QuadraticEquation<L> {
         (may_hit & L::zero().lt(t) & t.lt(limit), t)
     }
 
-    /// Returns the roots in front of the ray's origin, the nearest first; a number ≤ 0 or NaN means that there
-    /// is none.
+    /// Returns the roots in front of the ray's origin, the nearest first; a number ≤ 0 or NaN means that
+    /// there is none.
     pub fn roots(&self) -> [L; 2] {
         // From outside the other root is q; from inside it is behind the origin.
         let q = self.b + self.discriminant.sqrt().flip_sign(self.b);

@@ -1,7 +1,7 @@
 //! Finds hits beyond an exclusive lower bound ([`Rays::beyond`]), one ray at a time.
 //!
-//! Every hit of a primitive is visited, not only the nearest; those at the bound or before it are passed over.
-//! Boxes are culled as for other rays: a bound never makes a ray miss a box.
+//! Every hit of a primitive is visited, not only the nearest; those at the bound or before it are passed
+//! over. Boxes are culled as for other rays: a bound never makes a ray miss a box.
 
 use super::counter::Counter;
 use super::single::descend;

@@ -26,7 +26,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`rays`] | the package `octray-rays`: closest hit and any hit of rays, over lanes; its modules [`lane`], [`math`], [`bvh`] and [`traverse`] have short paths here |
+//! | [`rays`] | the package `octray-rays`: closest hit and any hit of rays, over lanes; its modules [`lane`] and [`math`] have short paths here |
 //! | [`mod@choice`] | named alternatives, shared by the command line, view files and reports |
 //! | [`sampling`] | sample values as functions of (seed, pixel, sample, dimension); warps |
 //! | [`kernel`] | BSDFs, texture lookups |
@@ -76,4 +76,4 @@ pub mod scene;
 pub mod threads;
 pub mod tone;
 
-pub use octray_rays::{self as rays, bvh, lane, math, traverse};
+pub use octray_rays::{self as rays, lane, math};

@@ -40,7 +40,7 @@
 use octray_display as display;
 use octray_engine::{
     adaptive, buffers, camera, film, integrate, kernel, lane, lights, math, path_vertex, primitives, rays,
-    render, sampling, scene, threads, tone, traverse,
+    render, sampling, scene, threads, tone,
 };
 
 pub mod measure;

@@ -24,7 +24,7 @@
 //! of your package; [`lane::INSTRUCTIONS`] names the vector instructions of a build.
 //!
 //! # Modules
-//! Each module imports only from those above it.
+//! Each module imports only from those above it. What is not linked is no part of the public interface.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -32,12 +32,12 @@
 //! | [`math`] | vectors, rays, hits and view frusta; bounds of rounding error |
 //! | [`coordinates`] | the transform between world coordinates and those of a structure |
 //! | [`kernel`] | intersection of rays with boxes, spheres and triangles; points on surfaces |
-//! | [`prepared`] | rays prepared for tests: the values computed once per ray or packet |
-//! | [`numbering`] | the kinds of primitives, and how primitives are numbered |
-//! | [`candidates`], [`columns`] | the primitives that rays can hit; rays and hits as columns |
-//! | [`kind`] | the kinds of primitives, one folder each; all primitives of a scene |
-//! | [`bvh`] | the bounding volume hierarchy: its builder and its check |
-//! | [`traverse`] | closest hit and any hit, by a list or through the hierarchy |
+//! | `prepared` | rays prepared for tests: the values computed once per ray or packet |
+//! | `numbering` | the kinds of primitives, and how primitives are numbered |
+//! | `candidates`, `columns` | the primitives that rays can hit; rays and hits as columns |
+//! | `kind` | the kinds of primitives, one folder each; all primitives of a scene |
+//! | `bvh` | the bounding volume hierarchy: its builder and its check |
+//! | `traverse` | closest hit and any hit, by a list or through the hierarchy |
 //!
 //! # Laws
 //! - **Every traversal gives the same hit**, bit for bit, as testing every primitive in order, spheres first,
@@ -50,22 +50,33 @@
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod bvh;
-pub mod candidates;
-pub mod columns;
 pub mod coordinates;
 pub mod kernel;
-pub mod kind;
 pub mod lane;
 pub mod math;
+
+// Behind the door: public for the tests of their laws alone.
+#[doc(hidden)]
+pub mod bvh;
+#[doc(hidden)]
+pub mod candidates;
+#[doc(hidden)]
+pub mod columns;
+#[doc(hidden)]
+pub mod kind;
+#[doc(hidden)]
 pub mod numbering;
+#[doc(hidden)]
 pub mod prepared;
+#[doc(hidden)]
 pub mod traverse;
 
+pub use bvh::check::Statistics;
 pub use candidates::Candidates;
 pub use columns::{Hits, Rays};
 pub use coordinates::Coordinates;
-pub use kind::{Geometry, Shape, Sphere};
+pub use kind::{Geometry, Shape, Sphere, keep_if_nearer};
 pub use math::MISS;
 pub use numbering::{Kind, KindCounts, KindRanges};
-pub use traverse::{PrimitiveTests, Structure, Tracer, Traversal};
+pub use traverse::counter::{Counts, Tests};
+pub use traverse::{MAX_LIST_COST, PrimitiveTests, Structure, Tracer, Traversal};

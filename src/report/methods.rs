@@ -3,14 +3,12 @@
 
 use super::numbers::figure;
 use crate::buffers::Features;
-use crate::bvh::check::Statistics;
 use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
-use crate::rays::Kind;
+use crate::rays::{Kind, MAX_LIST_COST, Statistics};
 use crate::render::{LaneChoice, Methods, TraversalChoice, features_of};
 use crate::scene::Scene;
-use crate::traverse::MAX_LIST_COST;
 use crate::wording::{counted, grouped};
 use indicatif::DecimalBytes;
 use serde::Serialize;

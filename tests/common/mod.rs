@@ -7,12 +7,14 @@ pub mod statistics;
 
 pub use glam::{DVec3, Vec2, Vec3, dvec3, vec2, vec3};
 pub use octray::buffers::Features;
-pub use octray::bvh::Trees;
 pub use octray::film::{Film, Picture};
 pub use octray::lane::{Bits, F32x8, F32x16, Lane, Mask, NATIVE_WIDTH, WIDTHS};
 pub use octray::lights::{LightChoice, Lights};
 pub use octray::math::{self, MISS, Ray};
 pub use octray::methods::{self, SphereMethod, TriangleMethod};
+pub use octray::rays::bvh::Trees;
+pub use octray::rays::traverse::List;
+pub use octray::rays::traverse::{Traversal, hierarchy::Hierarchy};
 pub use octray::reference::{PathSettings, Reference};
 pub use octray::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
 pub use octray::render::{PipelineChoice, Renderer, Settings};
@@ -24,8 +26,6 @@ pub use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
 };
 pub use octray::tone::Tone;
-pub use octray::traverse::List;
-pub use octray::traverse::{Traversal, hierarchy::Hierarchy};
 
 // The numbers and rays of `octray stability`.
 pub use octray::measure::stability::Rng;

@@ -3,9 +3,9 @@
 use super::*;
 use octray::methods::{MethodTests, Robust, Woop};
 use octray::rays::kind::triangle::Layout;
+use octray::rays::traverse::stack::Stack;
+use octray::rays::traverse::tile::{self, Packets};
 use octray::rays::{Candidates, Hits, Rays, Structure, Tracer};
-use octray::traverse::stack::Stack;
-use octray::traverse::tile::{self, Packets};
 use std::sync::Arc;
 
 /// t, primitive, u and v of each ray, as bits.

@@ -120,6 +120,22 @@ fn forbidden_modules_are_not_imported() {
 }
 
 #[test]
+fn modules_of_the_tracing_core_that_are_hidden_have_no_users() {
+    let page = fs::read_to_string(checkout().join("src/rays/lib.rs")).unwrap();
+    let hidden = page.split("#[doc(hidden)]\npub mod ").skip(1).map(|rest| rest.split(';').next().unwrap());
+    let hidden: Vec<&str> = hidden.collect();
+    assert!(hidden.contains(&"bvh") && hidden.contains(&"traverse"), "{hidden:?}");
+    let mut faults = Vec::new();
+    for (path, text) in sources("src").iter().filter(|(path, _)| !path.starts_with("src/rays")) {
+        let code = code(text);
+        let names = ["crate::rays::", "octray_rays::"].map(|root| names_after(&code, root));
+        let used = names.into_iter().flatten().filter(|name| hidden.contains(name));
+        faults.extend(used.map(|name| format!("{} imports `{name}`", path.display())));
+    }
+    assert_none(&faults);
+}
+
+#[test]
 fn unsafe_code_and_wide_are_used_by_lane_alone() {
     for (path, text) in sources("src") {
         let (code, shown) = (code(&text), path.display());

@@ -3,11 +3,11 @@
 //! and where builders fail.
 
 use crate::common::*;
-use octray::bvh::check::{Statistics, check, check_geometry};
-use octray::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, WIDE, WideNode};
 use octray::kernel::ray_box::sphere_bounds;
 use octray::kernel::surface::triangle_bounds;
 use octray::rays::KindCounts;
+use octray::rays::bvh::check::{Statistics, check, check_geometry};
+use octray::rays::bvh::{Bounds, Bvh, Child, LEAF, MAX_DEPTH, MAX_STACK, WIDE, WideNode};
 
 /// Builds over boxes, of which the first `spheres` count as spheres, and checks.
 fn valid(spheres: usize, boxes: &[Bounds]) -> Statistics {
@@ -162,7 +162,7 @@ fn threads_do_not_change_a_bit() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let bvh = pool.install(|| Bvh::new(&scene.geometry(), Trees::WideAndBinary));
             let leaves =
-                |leaves: &[octray::bvh::Leaf]| leaves.iter().flat_map(|leaf| leaf.primitives).collect();
+                |leaves: &[octray::rays::bvh::Leaf]| leaves.iter().flat_map(|leaf| leaf.primitives).collect();
             let bits = vec![
                 bytemuck::cast_slice(&bvh.wide).to_vec(),
                 bytemuck::cast_slice(&bvh.binary).to_vec(),

@@ -3,7 +3,7 @@
 
 use crate::common::rays::Set;
 use crate::common::*;
-use octray::traverse::tile::TILE;
+use octray::rays::traverse::tile::TILE;
 
 /// Steps of a tile's rays across: 16 by 16, from −1 to 1.
 fn steps(i: usize) -> [f64; 2] {

@@ -5,8 +5,8 @@
 use crate::common::rays::{Set, mixture};
 use crate::common::*;
 use glam::Vec3Swizzles;
-use octray::traverse::stream::BATCH;
-use octray::traverse::tile::TILE;
+use octray::rays::traverse::stream::BATCH;
+use octray::rays::traverse::tile::TILE;
 
 /// Directions of a camera's tile around one axis, forwards or backwards, and where it stands.
 struct View {

@@ -6,11 +6,11 @@
 //! the domain allows.
 
 use crate::common::*;
-use octray::bvh::Bounds;
 use octray::kernel::ray_box::{BoxRay, Padding, sphere_bounds, sphere_padding};
 use octray::kernel::ray_sphere;
 use octray::kernel::sphere_culling::{CulledSphere, SphereCulling};
 use octray::math::EPSILON;
+use octray::rays::bvh::Bounds;
 
 const LENGTHS: [f64; 4] = [0.0, 1e-5, -1e-5, 1e-7];
 /// Distances from the centre, in radii.

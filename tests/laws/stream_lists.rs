@@ -3,7 +3,7 @@
 
 use crate::common::rays::Set;
 use crate::common::*;
-use octray::bvh::LEAF;
+use octray::rays::bvh::LEAF;
 
 /// Thin triangles behind each other, each across all rays.
 fn triangles() -> Scene {

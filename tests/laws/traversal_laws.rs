@@ -7,8 +7,7 @@
 use crate::common::rays::{Set, list_of};
 use crate::common::*;
 use octray::methods::{MollerTrumbore, Naive, Robust, Woop};
-use octray::rays::{Hits, Rays};
-use octray::rays::{Structure, Tracer};
+use octray::rays::{Hits, Rays, Structure, Tracer};
 use octray::scene::Coordinates;
 
 /// A hit's bits: t, primitive, u, v.

@@ -8,7 +8,7 @@ use crate::common::rays::Set;
 use crate::common::*;
 use octray::measure::stability::meshes::bumpy_ball;
 use octray::rays::kind::triangle::Layout;
-use octray::traverse::tile::TILE;
+use octray::rays::traverse::tile::TILE;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::time::Instant;

@@ -2,13 +2,13 @@
 //! counting.
 
 use crate::common::*;
-use octray::bvh::check::check_geometry;
-use octray::bvh::{Bvh, LEAF, slots};
 use octray::integrate::stats::{RayKind, Segment, Stage, Stats};
 use octray::measure::stats::FrameStats;
+use octray::rays::bvh::check::check_geometry;
+use octray::rays::bvh::{Bvh, LEAF, slots};
+use octray::rays::traverse::Tracer;
+use octray::rays::traverse::counter::{Counts, Tests};
 use octray::rays::{Hits, Kind, Rays};
-use octray::traverse::Tracer;
-use octray::traverse::counter::{Counts, Tests};
 
 /// Two triangles far from each other in the plane z = 0, around (−3, 0) and (3, 0).
 fn two_triangles() -> Scene {

@@ -2,7 +2,7 @@
 
 use crate::desk::{Desk, SCENE, list, number};
 use crate::skipped::mesh;
-use octray::bvh::LEAF;
+use octray::rays::bvh::LEAF;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};

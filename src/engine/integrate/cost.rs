@@ -4,7 +4,7 @@ use super::context::TraceContext;
 use super::generate::pixel_centers;
 use super::scratch::Scratch;
 use crate::camera::MAX_PIXELS;
-use crate::traverse::counter::Counts;
+use crate::rays::Counts;
 
 /// The intersection tests of one ray, traced by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

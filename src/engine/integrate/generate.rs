@@ -1,6 +1,6 @@
 //! The first stage: generates primary rays and finds their hits.
 //!
-//! Generation is a loop of its own, and so is the test of every primitive: see [`crate::traverse::List`].
+//! Generation is a loop of its own, and so is the test of every primitive: see [`crate::rays::Structure`].
 //! Statistics attribute the second loop to [`Stage::Trace`].
 
 use super::context::TraceContext;

@@ -6,8 +6,7 @@ use super::queue::PathQueue;
 use super::stats::{RayKind, Segment, Stage, Stats};
 use crate::camera::MAX_PIXELS;
 use crate::lane::Lane;
-use crate::traverse::Tracer;
-use crate::traverse::counter::Counts;
+use crate::rays::{Counts, Tracer};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 

@@ -7,8 +7,8 @@ use super::queue::ShadowQueue;
 use super::radiance::Radiance;
 use super::stats::Stats;
 use super::tile_pixels::TilePixels;
+use crate::rays::Tracer;
 use crate::sampling::SampleTable;
-use crate::traverse::Tracer;
 use bytemuck::Zeroable;
 
 /// One thread's working memory. It uses 25 KiB at a time, which a first-level cache holds, 11 more for each

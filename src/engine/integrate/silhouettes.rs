@@ -6,8 +6,7 @@ use crate::kernel::surface::inset;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{EPSILON, Hit, MISS};
 use crate::primitives::TriangleRow;
-use crate::rays::{Hits, Kind, Rays};
-use crate::traverse::Tracer;
+use crate::rays::{Hits, Kind, Rays, Tracer};
 use std::ops::Range;
 
 /// The share of [`crate::kernel::surface::near_edge`] within which hits are tested, with the error of a hit

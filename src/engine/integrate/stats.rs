@@ -1,6 +1,6 @@
 //! Collects statistics: time by stage, rays and packets by bounce, intersection tests by kind of ray.
 
-use crate::traverse::counter::Counts;
+use crate::rays::Counts;
 use std::ops::AddAssign;
 use std::time::Duration;
 

@@ -5,8 +5,7 @@ use crate::choice::{Choice, choices, serde_by_name};
 use crate::lights::{LightChoice, Lights};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use octray_rays::traverse::MAX_LIST_COST;
-use octray_rays::{Geometry, PrimitiveTests, Structure, Traversal};
+use octray_rays::{Geometry, MAX_LIST_COST, PrimitiveTests, Structure, Traversal};
 use std::sync::Arc;
 
 choices! {

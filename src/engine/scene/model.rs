@@ -1,7 +1,7 @@
 //! The scene as a whole, and the kinds of its primitives: spheres and triangles.
 //!
 //! Code that differs by kind is a method of [`Primitive`], a row of `buffers/geometry.rs`, and a light of
-//! [`crate::lights`]; the intersection tests are in [`crate::traverse`].
+//! [`crate::lights`]; the intersection tests are in [`crate::rays`].
 
 use super::camera::Camera;
 use super::material::Material;

@@ -10,10 +10,9 @@ use super::stats::{RayStats, TestStats};
 use super::timed::{Ratio, Times};
 use super::trace::{Accelerators, TracePool, lanes};
 use crate::camera::Pinhole;
-use crate::rays::{Geometry, Structure};
+use crate::rays::{Geometry, Structure, Traversal};
 use crate::render::TraversalChoice;
 use crate::scene::{Camera, Scene};
-use crate::traverse::Traversal;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 

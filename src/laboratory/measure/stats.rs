@@ -2,7 +2,7 @@
 
 use super::ray_sets::Kind;
 use crate::integrate::stats::{RayKind, Segment, Stage, Stats};
-use crate::traverse::counter::{Counts, Tests};
+use crate::rays::{Counts, Tests};
 use serde::Serialize;
 
 /// Cost of some samples of a picture.
@@ -78,7 +78,7 @@ pub struct RayStats {
     pub tests: TestStats,
 }
 
-/// Tests by kind of primitive; [`crate::traverse::counter`] defines what counts.
+/// Tests by kind of primitive; [`crate::rays::Counts`] defines what counts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TestStats {
     /// Tests against boxes of the hierarchy.

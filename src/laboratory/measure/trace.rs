@@ -3,17 +3,13 @@
 use super::ray_sets::{Answers, RaySet};
 use crate::lane::NATIVE_WIDTH;
 use crate::math::MISS;
-use crate::rays::Geometry;
-use crate::rays::{Hits, Rays};
+use crate::rays::{Counts, Geometry, Hits, Rays, Structure, Tracer, Traversal};
 use crate::render::TraversalChoice;
 use crate::threads::Threads;
-use crate::traverse::counter::Counts;
-use crate::traverse::tile::TILE;
-use crate::traverse::{Structure, Tracer, Traversal};
 use rayon::prelude::*;
 
 /// Most rays of a thread's unit of work: a whole batch of a stream.
-const CHUNK: usize = crate::traverse::stream::BATCH;
+const CHUNK: usize = Tracer::BATCH;
 /// Units of work for each thread, so that all end at about the same time.
 const UNITS: usize = 4;
 
@@ -137,7 +133,8 @@ impl TracePool {
         }
         debug_assert_eq!(rays, answers.t.len());
         // Whole tiles.
-        let chunk = rays.div_ceil(UNITS * self.threads()).next_multiple_of(TILE).clamp(TILE, CHUNK);
+        let chunk =
+            rays.div_ceil(UNITS * self.threads()).next_multiple_of(Tracer::TILE).clamp(Tracer::TILE, CHUNK);
         let Hits { t, primitive, u, v } = answers.hits();
         let [t, u, v] = [t, u, v].map(|column| column.par_chunks_mut(chunk));
         let columns = (t, primitive.par_chunks_mut(chunk), u, v);

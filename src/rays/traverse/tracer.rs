@@ -4,7 +4,7 @@ use super::counter::{Counter, CounterSink, Counts};
 use super::hierarchy::Hierarchy;
 use super::list::List;
 use super::stack::Stack;
-use super::stream::Stream;
+use super::stream::{BATCH, Stream};
 use super::structure::{Primitives, Structure};
 use super::tile::{self, Packets, TILE};
 use super::{beyond, scalar, single};
@@ -64,6 +64,11 @@ struct Memory {
 }
 
 impl Tracer {
+    /// The number of primary rays of which queries are best multiples: a tile of pixels that share a frustum.
+    pub const TILE: usize = TILE;
+    /// The largest number of rays that share reads of the hierarchy. More in one query gain nothing.
+    pub const BATCH: usize = BATCH;
+
     /// Creates a tracer, which allocates nothing until it is first used.
     pub fn new() -> Self {
         Self::default()

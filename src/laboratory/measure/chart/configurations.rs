@@ -7,10 +7,10 @@ use crate::buffers::Features;
 use crate::lane::WIDTHS;
 use crate::lights::LightChoice;
 use crate::methods;
+use crate::rays::Traversal;
 use crate::render::{PipelineChoice, Renderer, Settings, SphereChoice, TraversalChoice, TriangleChoice};
 use crate::sampling::Sampler;
 use crate::scene::{Filter, Scene};
-use crate::traverse::Traversal;
 use serde::Serialize;
 
 /// Settings under a name.

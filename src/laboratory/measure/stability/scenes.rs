@@ -8,9 +8,9 @@ use super::triangles;
 use crate::lane::WIDTHS;
 use crate::math::MISS;
 use crate::methods::{self, Woop};
+use crate::rays::Traversal;
 use crate::render::{Methods, PrimaryHit, Settings, SphereChoice, TraversalChoice};
 use crate::scene::{Camera, Material, MaterialKind, Scene, Side, Sky, Sphere, Triangle};
-use crate::traverse::Traversal;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 

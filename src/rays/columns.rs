@@ -1,8 +1,8 @@
 //! Rays and hits as columns, the input and the output of every traversal.
 
-use crate::candidates::Candidates;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
 use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::numbering::Candidates;
 use std::ops::Range;
 
 /// A set of rays as columns.

@@ -33,8 +33,8 @@
 //! | [`coordinates`] | the transform between world coordinates and those of a structure |
 //! | [`kernel`] | intersection of rays with boxes, spheres and triangles; points on surfaces |
 //! | `prepared` | rays prepared for tests: the values computed once per ray or packet |
-//! | `numbering` | the kinds of primitives, and how primitives are numbered |
-//! | `candidates`, `columns` | the primitives that rays can hit; rays and hits as columns |
+//! | `numbering` | the kinds of primitives, how primitives are numbered, and sets of them |
+//! | `columns` | rays and hits as columns |
 //! | `kind` | the kinds of primitives, one folder each; all primitives of a scene |
 //! | `bvh` | the bounding volume hierarchy: its builder and its check |
 //! | `traverse` | closest hit and any hit, by a list or through the hierarchy |
@@ -59,8 +59,6 @@ pub mod math;
 #[doc(hidden)]
 pub mod bvh;
 #[doc(hidden)]
-pub mod candidates;
-#[doc(hidden)]
 pub mod columns;
 #[doc(hidden)]
 pub mod kind;
@@ -72,11 +70,10 @@ pub mod prepared;
 pub mod traverse;
 
 pub use bvh::check::Statistics;
-pub use candidates::Candidates;
 pub use columns::{Hits, Rays};
 pub use coordinates::Coordinates;
 pub use kind::{Geometry, Shape, Sphere, keep_if_nearer};
 pub use math::MISS;
-pub use numbering::{Kind, KindCounts, KindRanges};
+pub use numbering::{Candidates, Kind, KindCounts, KindRanges};
 pub use traverse::counter::{Counts, Tests};
 pub use traverse::{MAX_LIST_COST, PrimitiveTests, Structure, Tracer, Traversal};

@@ -84,7 +84,7 @@ impl Set {
     /// What is nearest of every primitive, or of every one that is listed, before the rays end; whatever they
     /// have hit before.
     pub fn nearest<L: Lane>(&self, list: &List, listed: Option<&Candidates>) -> Answers {
-        self.nearest_by(L::WIDTH, |rays, hits| list.trace::<L>(rays, hits, listed, None))
+        self.nearest_by(L::WIDTH, |rays, hits| list.trace::<L>(rays, hits, listed))
     }
     /// What is nearest in a structure, before the rays end.
     pub fn nearest_in(&self, structure: &Structure) -> Answers {

@@ -3,11 +3,11 @@
 //! Primitives are numbered spheres first, then triangles.
 
 use super::{Kind, KindCounts, Sphere, triangle};
-use crate::candidates::Candidates;
 use crate::coordinates::Coordinates;
 use crate::kernel::ray_box::Padding;
 use crate::kernel::surface::{triangle_bounds, triangle_offset};
 use crate::math::{Vec3, ViewFrustum};
+use crate::numbering::Candidates;
 use glam::DVec3;
 
 /// The primitives of a scene.

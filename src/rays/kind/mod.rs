@@ -1,28 +1,48 @@
 //! The kinds of primitives.
 //!
-//! Each kind has a folder with its geometry, its test in a leaf of a hierarchy (`leaf`), and its tests in a
-//! list (`list`). The code that distinguishes kinds is [`Shape`], [`Lists`] and [`Leaves`]. Triangles have
+//! Each kind is a module with its geometry, its tests in a leaf of a hierarchy, and its tests in a list. The code that distinguishes kinds is [`Shape`], [`List`] and [`Leaves`]. Triangles have
 //! more: traversals also test them in ways of their own.
 
 pub mod geometry;
-mod leaf;
 pub mod sphere;
 pub mod triangle;
 
 pub use crate::numbering::{Kind, KindCounts};
 pub use geometry::{Geometry, Shape};
-pub use leaf::{LEAF, Leaf};
 pub use sphere::Sphere;
 
-use crate::candidates::Candidates;
 use crate::columns::{Hits, Rays};
+use crate::coordinates::Coordinates;
 use crate::kernel::ray_box::Padding;
-use crate::lane::{Bits, Lane, Mask};
+use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH};
 use crate::math::{Hit, Ray};
+use crate::numbering::Candidates;
 use crate::prepared::SingleRay;
+use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use sphere::SphereLeaf;
 use triangle::{Layout, MIN_LEAVES_PER_THREAD, TriangleLeaves, intersect_one};
+
+/// The largest number of primitives in a leaf: as many as one vector tests at once.
+pub const LEAF: usize = NATIVE_WIDTH;
+
+/// Up to [`LEAF`] primitives of one kind, in ascending order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Leaf {
+    /// The numbers, ascending; [`Leaf::NONE`] fills the unused entries at the end.
+    pub primitives: [u32; LEAF],
+}
+
+impl Leaf {
+    /// Marks an unused entry.
+    pub const NONE: u32 = u32::MAX;
+    /// Returns the numbers of the primitives.
+    pub fn primitives(&self) -> &[u32] {
+        let len = self.primitives.iter().position(|&one| one == Self::NONE).unwrap_or(LEAF);
+        &self.primitives[..len]
+    }
+}
 
 /// Returns a limit that admits hits at `t` itself: among equal distances the lowest number wins, in any order
 /// of tests.
@@ -43,23 +63,26 @@ pub fn keep_if_nearer<L: Lane>(mask: L::Mask, primitive: u32, [t, u, v]: [L; 3],
     nearer.any()
 }
 
-/// All primitives, in the order of their numbers.
+/// All primitives, in the order of their numbers: every ray is tested against each.
 ///
 /// Each kind of primitive has a loop over the rays. In short loops the processor works on several packets at
 /// a time, and a ray's values stay in registers: with 16 lanes this is 1.03 to 1.1 times as fast as one loop
 /// in scenes that have both kinds; with 8 there is no difference.
-pub struct Lists {
+pub struct List {
     spheres: sphere::List,
     triangles: triangle::List,
+    /// The place of the primitives' coordinates in the world.
+    pub(crate) coordinates: Coordinates,
 }
 
-impl Lists {
+impl List {
     /// Stores all primitives.
     pub fn new(geometry: &Geometry) -> Self {
         let triangles = (geometry.counts().first(Kind::Triangle), geometry.triangles.as_slice());
         Self {
             spheres: sphere::List::new(&geometry.spheres),
             triangles: triangle::List::new(triangles, geometry.padding()),
+            coordinates: geometry.coordinates,
         }
     }
 
@@ -75,7 +98,7 @@ impl Lists {
 
     /// Calls `visit` with each hit of a ray with any primitive, in no order.
     pub fn visit(&self, ray: &SingleRay, visit: &mut impl FnMut(Hit<f32>)) {
-        let Self { spheres, triangles } = self;
+        let Self { spheres, triangles, coordinates: _ } = self;
         spheres.visit(&ray.ray, visit);
         triangles.visit(ray, visit);
     }

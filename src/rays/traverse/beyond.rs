@@ -37,10 +37,10 @@ pub(super) fn improve<const ANY: bool>(
         match primitives {
             Primitives::List(list) => {
                 if let Some(counter) = counter {
-                    counter.list(list.primitives.counts(), 1, 1);
+                    counter.list(list.counts(), 1, 1);
                 }
-                let ray = ray(list.primitives.padding());
-                list.primitives.visit(&ray, &mut |found| accept(found, &mut hit));
+                let ray = ray(list.padding());
+                list.visit(&ray, &mut |found| accept(found, &mut hit));
             }
             Primitives::Tree(tree, _) => {
                 let ray = ray(tree.padding);

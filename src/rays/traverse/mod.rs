@@ -2,7 +2,7 @@
 //!
 //! | file | traversal |
 //! |---|---|
-//! | `list` | every primitive is tested, or the [`Candidates`](crate::Candidates) of the rays |
+//! | [`List`] | every primitive is tested, or the [`Candidates`](crate::Candidates) of the rays |
 //! | [`scalar`] | one ray on the binary tree, one box and one primitive at a time: the baseline |
 //! | [`single`] | one ray on the wide tree, against all boxes of a node or primitives of a leaf at once |
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
@@ -21,7 +21,6 @@ pub mod counter;
 mod custom;
 pub mod frustum;
 pub mod hierarchy;
-mod list;
 mod occluders;
 pub mod scalar;
 pub mod single;
@@ -31,7 +30,7 @@ mod structure;
 pub mod tile;
 mod tracer;
 
+pub use crate::kind::List;
 pub use custom::PrimitiveTests;
-pub use list::List;
 pub use structure::{MAX_LIST_COST, Structure};
 pub use tracer::{Tracer, Traversal};

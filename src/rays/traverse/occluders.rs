@@ -7,8 +7,8 @@
 use super::hierarchy::Hierarchy;
 use super::structure::MAX_LIST_COST;
 use crate::bvh::Trees;
-use crate::candidates::Candidates;
 use crate::kind::{Geometry, Shape};
+use crate::numbering::Candidates;
 use glam::DVec3;
 
 /// How far a surface may reach beyond a plane or sphere and still count as on its near side, relative to the

@@ -2,15 +2,14 @@
 
 use super::custom::{Custom, PrimitiveTests};
 use super::hierarchy::Hierarchy;
-use super::list::List;
 use super::occluders::Occluders;
 use super::tracer::Traversal;
 use crate::bvh::check::{Statistics, check_geometry};
 use crate::bvh::{Bvh, Trees};
-use crate::candidates::Candidates;
 use crate::coordinates::Coordinates;
-use crate::kind::Geometry;
+use crate::kind::{Geometry, List};
 use crate::lane::NATIVE_WIDTH;
+use crate::numbering::Candidates;
 use std::sync::Arc;
 
 /// Up to this [cost](crate::KindCounts::list_cost) primitives are tested one by one, above it through a

@@ -2,17 +2,17 @@
 
 use super::counter::{Counter, CounterSink, Counts};
 use super::hierarchy::Hierarchy;
-use super::list::List;
 use super::stack::Stack;
 use super::stream::{BATCH, Stream};
 use super::structure::{Primitives, Structure};
 use super::tile::{self, Packets, TILE};
 use super::{beyond, scalar, single};
 use crate::bvh::Trees;
-use crate::candidates::Candidates;
 use crate::columns::{Hits, LowerBounds, Rays};
+use crate::kind::List;
 use crate::lane::{F32x8, F32x16, NATIVE_WIDTH};
 use crate::math::{Hit, MISS, Ray};
+use crate::numbering::Candidates;
 use crate::prepared::SingleRay;
 
 /// A traversal of the hierarchy. All give the same hits, bit for bit.
@@ -238,7 +238,7 @@ impl Tracer {
     }
 }
 
-/// Runs [`List::trace`] in packets of `lanes` rays.
+/// Runs [`List::trace`] in packets of `lanes` rays. A `counter` counts the tests.
 fn trace_list(
     list: &List,
     lanes: usize,
@@ -247,10 +247,14 @@ fn trace_list(
     candidates: Option<&Candidates>,
     counter: Option<&Counter>,
 ) {
+    if let Some(counter) = counter {
+        let tested = candidates.map_or(list.counts(), Candidates::counts);
+        counter.list(tested, rays.len().div_ceil(lanes), rays.len());
+    }
     match lanes {
-        1 => list.trace::<f32>(rays, hits, candidates, counter),
-        8 => list.trace::<F32x8>(rays, hits, candidates, counter),
-        _ => list.trace::<F32x16>(rays, hits, candidates, counter),
+        1 => list.trace::<f32>(rays, hits, candidates),
+        8 => list.trace::<F32x8>(rays, hits, candidates),
+        _ => list.trace::<F32x16>(rays, hits, candidates),
     }
 }
 

@@ -1,13 +1,13 @@
 //! Intersects rays with a list of triangles.
 
 use super::leaf::visit_found;
-use crate::candidates::Candidates;
 use crate::columns::{Hits, Rays};
 use crate::kernel::ray_box::{BoxRay, Padding, own_box};
 use crate::kernel::ray_triangle::{PairHit, TriangleHit, WoopRay, WoopTriangle};
 use crate::kind::Kind;
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::numbering::Candidates;
 use crate::prepared::SingleRay;
 
 /// All triangles, in the order of their numbers.

@@ -1,7 +1,7 @@
 //! The diffuse (Lambertian) lobe.
 
 use super::lobe_normals::LobeNormals;
-use super::sample::{BsdfSample, LobeEval};
+use super::{BsdfSample, LobeEval};
 use crate::lane::Lane;
 use crate::math::Vec3;
 use crate::sampling::warp;

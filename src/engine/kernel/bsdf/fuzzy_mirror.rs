@@ -26,7 +26,7 @@
 //! integrates to 1; the rim moves by at most η ρ / 2c, 0.002°.
 //! Error: x is off by a few 2⁻²⁴ / ρ, less than η down to [`NARROW`].
 
-use super::sample::{BsdfSample, LobeEval};
+use super::{BsdfSample, LobeEval};
 use crate::lane::Lane;
 use crate::math::Vec3;
 use crate::sampling::warp;

@@ -17,7 +17,7 @@
 //! Source: Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023; Heitz,
 //! "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 2014, eq. 72 and 99.
 
-use super::sample::{BsdfSample, LobeEval};
+use super::{BsdfSample, LobeEval};
 use crate::lane::{Lane, functions::sin_cos_turns};
 use crate::math::Vec3;
 use crate::sampling::warp;

@@ -2,9 +2,9 @@
 //!
 //! Source: Pharr et al., PBR 4ed §9.5; for thin glass §9.5.1, `ThinDielectricBxDF`.
 
+use super::BsdfSample;
 use super::fresnel::{self, Fresnel};
 use super::lobe_normals::{Horizon, LobeNormals};
-use super::sample::BsdfSample;
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
 

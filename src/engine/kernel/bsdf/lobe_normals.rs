@@ -1,6 +1,6 @@
 //! The normals about which lobes scatter, and the rule for light that shading normals send below the surface.
 
-use super::sample::{BsdfEval, BsdfSample};
+use super::{BsdfEval, BsdfSample};
 use crate::kernel::normals::{facing, shadow_terminator};
 use crate::lane::Lane;
 use crate::math::Vec3;

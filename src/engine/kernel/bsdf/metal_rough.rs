@@ -20,7 +20,7 @@
 
 use super::albedo::{Albedo, schlick};
 use super::lobe_normals::LobeNormals;
-use super::sample::{BsdfEval, BsdfSample, LobeEval};
+use super::{BsdfEval, BsdfSample, LobeEval};
 use super::{diffuse, ggx};
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;

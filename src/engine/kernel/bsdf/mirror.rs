@@ -1,6 +1,6 @@
 //! A perfect mirror: a delta lobe.
 
-use super::sample::BsdfSample;
+use super::BsdfSample;
 use crate::lane::Lane;
 use crate::math::Vec3;
 

@@ -21,7 +21,7 @@
 
 use super::albedo::Albedo;
 use super::lobe_normals::LobeNormals;
-use super::sample::{BsdfEval, BsdfSample, LobeEval};
+use super::{BsdfEval, BsdfSample, LobeEval};
 use super::{diffuse, fresnel, ggx};
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;

@@ -40,8 +40,8 @@
 //! | `traverse` | closest hit and any hit, by a list or through the hierarchy |
 //!
 //! # Laws
-//! - **Every traversal gives the same hit**, bit for bit, as testing every primitive in order, spheres first,
-//!   then triangles. The nearest t wins, and the lower index on a tie.
+//! - **Every traversal gives the same hit**, bit for bit, as testing every primitive in the order of its
+//!   [`Kind`]. The nearest t wins, and the lower index on a tie.
 //! - **Width is a type.** An equation is written once over [`lane::Lane`] and runs at widths 1, 8 and 16.
 //! - **Culling is conservative.** A test is skipped only where it finds no hit.
 //! - **Kernels are pure.** A kernel maps values to (mask, values): it allocates nothing and never panics.
@@ -72,7 +72,8 @@ pub mod traverse;
 pub use bvh::check::Statistics;
 pub use columns::{Hits, Rays};
 pub use coordinates::Coordinates;
-pub use kind::{Geometry, Shape, Sphere, keep_if_nearer};
+pub use kind::geometry::*;
+pub use kind::keep_if_nearer;
 pub use math::MISS;
 pub use numbering::{Candidates, Kind, KindCounts, KindRanges};
 pub use traverse::counter::{Counts, Tests};

@@ -216,8 +216,9 @@ mod tests {
 
     #[test]
     fn cost_is_what_the_builder_minimises() {
-        for counts in [[0, 40], [0, 300], [300, 1000], [0, 1001], [400, 2000], [3000, 0]] {
-            let counts = KindCounts(counts);
+        for of_kinds in [[0, 40], [0, 300], [300, 1000], [0, 1001], [400, 2000], [3000, 0]] {
+            let mut counts = KindCounts::default();
+            counts.0.iter_mut().zip(of_kinds).for_each(|(count, of_kind)| *count = of_kind);
             // Points of a Kronecker sequence, with boxes of three sizes.
             let bounds = |number: usize| {
                 let point = (Vec3::new(0.819_17, 0.671_04, 0.549_7) * number as f32).fract();

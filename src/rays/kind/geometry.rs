@@ -2,7 +2,9 @@
 //!
 //! Primitives are numbered spheres first, then triangles.
 
-use super::{Kind, KindCounts, Sphere, triangle};
+pub use super::sphere::Sphere;
+
+use super::{Kind, KindCounts, triangle};
 use crate::coordinates::Coordinates;
 use crate::kernel::ray_box::Padding;
 use crate::kernel::surface::{triangle_bounds, triangle_offset};

@@ -9,7 +9,6 @@ pub mod triangle;
 
 pub use crate::numbering::{Kind, KindCounts};
 pub use geometry::{Geometry, Shape};
-pub use sphere::Sphere;
 
 use crate::columns::{Hits, Rays};
 use crate::coordinates::Coordinates;

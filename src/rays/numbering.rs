@@ -26,8 +26,11 @@ impl Kind {
     }
 }
 
-// `ALL` has every kind, in the order of the declaration.
-const _: () = assert!(Kind::Triangle as usize + 1 == Kind::ALL.len());
+// `ALL` has every kind, and the last one at its end.
+const _: () = match Kind::ALL[Kind::ALL.len() - 1] {
+    Kind::Sphere => panic!("`Kind::ALL` lacks a kind"),
+    Kind::Triangle => assert!(Kind::Triangle as usize + 1 == Kind::ALL.len()),
+};
 
 /// The number of primitives of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

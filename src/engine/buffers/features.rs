@@ -1,6 +1,7 @@
 //! The sets of features that scenes need of their pipelines.
 
 use super::rows::Rows;
+use crate::rays::Kind;
 use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels};
 use glam::Vec3;
 
@@ -74,6 +75,27 @@ impl Features {
         .with(Self::ROUGHNESS_MAPS)
         .with(Self::EMISSION_MAPS);
 
+    /// The features of all kinds of primitives.
+    const KINDS: Features = {
+        let (mut all, mut kind) = (Self::NONE, 0);
+        while kind < Kind::ALL.len() {
+            all = all.with(Self::of_kind(Kind::ALL[kind]));
+            kind += 1;
+        }
+        all
+    };
+
+    /// Returns the feature of scenes with this kind of primitive.
+    pub const fn of_kind(kind: Kind) -> Features {
+        match kind {
+            Kind::Sphere => Self::SPHERES,
+            Kind::Triangle => Self::TRIANGLES,
+        }
+    }
+    /// Tests whether this set holds a kind of primitive and no other kind.
+    pub const fn has_only_kind(self, kind: Kind) -> bool {
+        self.0 & Self::KINDS.0 == Self::of_kind(kind).0
+    }
     /// Returns the features of both sets.
     pub const fn with(self, other: Features) -> Features {
         Features(self.0 | other.0)
@@ -104,12 +126,12 @@ impl Features {
                 needs = needs.with(feature);
             }
         };
-        let [spheres, triangles] = scene.counts().0;
-        need(spheres > 0, Self::SPHERES);
-        need(triangles > 0, Self::TRIANGLES);
-        need(spheres > Rows::FEW, Self::MANY_SPHERES);
+        for (kind, count) in Kind::ALL.into_iter().zip(scene.counts().0) {
+            need(count > 0, Self::of_kind(kind));
+        }
+        need(scene.spheres.len() > Rows::FEW, Self::MANY_SPHERES);
         // A triangle has two rows.
-        need(2 * triangles > Rows::FEW, Self::MANY_TRIANGLES);
+        need(2 * scene.triangles.len() > Rows::FEW, Self::MANY_TRIANGLES);
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
         need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);
         need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);

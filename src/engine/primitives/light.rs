@@ -92,6 +92,10 @@ pub(crate) enum LightKind {
     Environment,
 }
 
+impl LightKind {
+    const ALL: [Self; 4] = [Self::Sphere, Self::Triangle, Self::Parallelogram, Self::Environment];
+}
+
 /// A light of the table without its probability. [`ChosenLight`] explains the fields.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct LightRow {
@@ -124,6 +128,18 @@ pub struct LightKinds<L: Lane> {
     pub flat: L::Mask,
     /// The lanes with the environment.
     pub environment: L::Mask,
+}
+
+impl<L: Lane> LightKinds<L> {
+    /// Returns the lanes to which lights of this kind belong.
+    #[inline(always)]
+    fn lanes_of(&mut self, kind: LightKind) -> &mut L::Mask {
+        match kind {
+            LightKind::Sphere => &mut self.sphere,
+            LightKind::Triangle | LightKind::Parallelogram => &mut self.flat,
+            LightKind::Environment => &mut self.environment,
+        }
+    }
 }
 
 /// A light for each lane.
@@ -198,18 +214,19 @@ impl LightTable {
         let [abx, aby, abz, acx, acy, acz, kind, offset] =
             self.rows.fetch::<L>(first | L::Bits::splat(1), fits_registers);
         let is = |code: LightKind| kind.to_bits().equals(L::Bits::splat(code as u32));
-        let is_quad = is(LightKind::Parallelogram);
+        let none = L::Mask::splat(false);
+        let mut kinds = LightKinds { sphere: none, flat: none, environment: none };
+        for kind in LightKind::ALL {
+            let lanes = kinds.lanes_of(kind);
+            *lanes = *lanes | is(kind);
+        }
         ChosenLight {
             index: light,
-            kinds: LightKinds {
-                sphere: is(LightKind::Sphere),
-                flat: is(LightKind::Triangle) | is_quad,
-                environment: is(LightKind::Environment),
-            },
+            kinds,
             at: Vec3::new(x, y, z),
             radius,
             edges: [Vec3::new(abx, aby, abz), Vec3::new(acx, acy, acz)],
-            is_quad,
+            is_quad: is(LightKind::Parallelogram),
             emission: Vec3::new(r, g, b),
             offset,
             probability,

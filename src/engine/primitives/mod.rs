@@ -91,9 +91,21 @@ pub struct SurfaceTables<'a> {
 
 /// The lanes whose hit is on a primitive of each kind. If the pipeline has one kind, all lanes are of it.
 #[derive(Clone, Copy)]
-struct HitKinds<L: Lane> {
-    sphere: L::Mask,
-    triangle: L::Mask,
+struct HitKinds<L: Lane>([L::Mask; Kind::ALL.len()]);
+
+impl<L: Lane> HitKinds<L> {
+    #[inline(always)]
+    fn of<const N: u32>(ranges: KindRanges, primitive: L::Bits) -> Self {
+        let mut kinds = [L::Mask::splat(false); Kind::ALL.len()];
+        for (kind, lanes) in Kind::ALL.into_iter().zip(&mut kinds) {
+            if Features(N).has_only_kind(kind) {
+                *lanes = L::Mask::splat(true);
+            } else if has(N, Features::of_kind(kind)) {
+                *lanes = ranges.are_of_kind(kind, primitive);
+            }
+        }
+        Self(kinds)
+    }
 }
 
 /// The surfaces at a packet's hits.
@@ -128,13 +140,14 @@ impl<L: Lane> Surface<L> {
         found: L::Mask,
     ) -> Self {
         let (ranges, zero) = (tables.primitives.ranges, L::Bits::splat(0));
-        let sphere = match (has(N, Features::SPHERES), has(N, Features::TRIANGLES)) {
-            (true, true) => ranges.are_of_kind(Kind::Sphere, hit.primitive),
-            (sphere, _) => L::Mask::splat(sphere),
+        let kinds = HitKinds::of::<N>(ranges, hit.primitive);
+        let HitKinds([sphere, triangle]) = kinds;
+        let occurs = |kind: Kind, lanes: L::Mask| {
+            let is_there = || Features(N).has_only_kind(kind) || (found & lanes).any();
+            has(N, Features::of_kind(kind)) && is_there()
         };
-        let kinds = HitKinds { sphere, triangle: !sphere };
         let index = ranges.index_in_kind(Kind::Triangle, hit.primitive);
-        let index = L::Bits::select(found & kinds.triangle, index, zero);
+        let index = L::Bits::select(found & triangle, index, zero);
         let mut surface = Self {
             point: Vec3::zero(),
             ng: Vec3::zero(),
@@ -147,10 +160,10 @@ impl<L: Lane> Surface<L> {
             cone_width: L::zero(),
             light_pdf: L::zero(),
         };
-        if has(N, Features::SPHERES) && (!has(N, Features::TRIANGLES) || (found & sphere).any()) {
+        if occurs(Kind::Sphere, sphere) {
             surface.set_sphere::<N>(tables, ray, hit, found & sphere);
         }
-        if has(N, Features::TRIANGLES) && (!has(N, Features::SPHERES) || (found & !sphere).any()) {
+        if occurs(Kind::Triangle, triangle) {
             surface.set_triangle::<N>(tables, ray, hit);
         }
         surface.facing = -ray.direction.dot(surface.ng);
@@ -164,7 +177,7 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     pub fn object(&self, primitives: &PrimitiveTables, hit: &Hit<L>) -> L::Bits {
         let of_material = self.material.wrapping_add(L::Bits::splat(primitives.objects));
-        let HitKinds { sphere, triangle: _ } = self.kinds;
+        let HitKinds([sphere, _triangle]) = self.kinds;
         L::Bits::select(sphere, hit.primitive, of_material)
     }
 
@@ -173,7 +186,7 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     pub fn tangent<const N: u32>(&self, primitives: &PrimitiveTables, mapped: L::Mask) -> (Vec3<L>, L) {
         let mut frame = (Vec3::zero(), L::zero());
-        let HitKinds { sphere, triangle } = self.kinds;
+        let HitKinds([sphere, triangle]) = self.kinds;
         if has(N, Features::SPHERES) && (mapped & sphere).any() {
             frame = self.sphere_tangent();
         }
@@ -188,7 +201,7 @@ impl<L: Lane> Surface<L> {
     #[inline(always)]
     pub fn texture_point<const N: u32>(&self, tables: &SurfaceTables, textured: L::Mask) -> TexturePoint<L> {
         let mut found = ((L::zero(), L::zero()), L::zero());
-        let HitKinds { sphere, triangle } = self.kinds;
+        let HitKinds([sphere, triangle]) = self.kinds;
         if has(N, Features::SPHERES) && (textured & sphere).any() {
             found = self.sphere_coordinates(tables);
         }

@@ -103,7 +103,7 @@ impl<L: Lane> Surface<L> {
         self.offset = sphere.offset;
         self.material = sphere.material;
         if tables.cones {
-            self.sphere.curvature = inverse_radius.only(self.kinds.sphere);
+            self.sphere.curvature = inverse_radius.only(self.kinds.0[Kind::Sphere as usize]);
         }
         if has(N, Features::LIGHTS) && sphere.light.are_sampled().any() {
             let pdf = pdf(center - ray.origin, L::one() / inverse_radius);

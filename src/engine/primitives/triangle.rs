@@ -163,7 +163,7 @@ impl<L: Lane> Surface<L> {
         let [ab, ac] = triangle.edges;
         let point = ab.mul_add(u, ac.mul_add(v, triangle.a));
         self.triangle.edges = triangle.edges;
-        let keep = !self.kinds.triangle;
+        let keep = !self.kinds.0[Kind::Triangle as usize];
         self.point = Vec3::select(keep, self.point, point);
         self.ng = Vec3::select(keep, self.ng, triangle.ng);
         self.offset = L::select(keep, self.offset, triangle.offset);
@@ -187,7 +187,7 @@ impl<L: Lane> Surface<L> {
         primitives: &PrimitiveTables,
         found: L::Mask,
     ) -> (Vec3<L>, L::Mask, Vec3<L>) {
-        let on_triangle = found & self.kinds.triangle;
+        let on_triangle = found & self.kinds.0[Kind::Triangle as usize];
         if !on_triangle.any() {
             return (self.ng, L::Mask::splat(false), Vec3::zero());
         }
@@ -218,7 +218,7 @@ impl<L: Lane> Surface<L> {
         let fits_registers = !has(N, Features::MANY_TRIANGLES);
         let index = L::Bits::select(on_triangle, self.triangle.index, L::Bits::splat(0));
         let [x, y, z, w, ..] = primitives.triangles.tangents.fetch::<L>(index, fits_registers);
-        let keep = !self.kinds.triangle;
+        let keep = !self.kinds.0[Kind::Triangle as usize];
         (Vec3::select(keep, tangent, Vec3::new(x, y, z)), L::select(keep, hand, w))
     }
 
@@ -234,7 +234,7 @@ impl<L: Lane> Surface<L> {
             tables.primitives.triangles.uvs.fetch::<L>(self.triangle.index, fits_registers);
         let (s, t) = self.triangle.barycentric;
         let blend = |a: L, b: L, c: L| (b - a).mul_add(s, (c - a).mul_add(t, a));
-        let keep = !self.kinds.triangle;
+        let keep = !self.kinds.0[Kind::Triangle as usize];
         let u = L::select(keep, u, blend(au, bu, cu));
         let v = L::select(keep, v, blend(av, bv, cv));
         ((u, v), L::select(keep, density, of_triangle))

@@ -129,11 +129,11 @@ impl Shape {
         };
         (point, ng, self.offset())
     }
-    /// Returns three points of the plane of a flat shape.
-    pub fn plane(self) -> Option<[glam::Vec3; 3]> {
+    /// Returns a point of a flat shape, and the unit normal of its plane.
+    pub fn plane(self) -> Option<(DVec3, DVec3)> {
         match self {
             Self::Sphere(_) => None,
-            Self::Triangle(vertices) => Some(vertices),
+            Self::Triangle(vertices) => Some(triangle::plane(vertices)),
         }
     }
     /// Iterates over the centres and radii of balls whose convex hull contains the primitive.

@@ -89,7 +89,7 @@ impl Surfaces {
     /// Returns whether a primitive may come between a surface and a target.
     fn may_occlude(&self, number: usize, shape: Shape) -> bool {
         match shape.plane() {
-            Some(points) => self.may_separate(points),
+            Some(plane) => self.may_separate(plane),
             None => self.only_target != Some(number) && !shape.balls().all(|ball| self.are_inside(ball)),
         }
     }
@@ -99,15 +99,14 @@ impl Surfaces {
         self.balls.iter().all(|&ball| ball.0.distance(center) + ball.1 <= radius + self.tolerance(ball))
     }
 
-    /// Returns whether some surface and some target lie on different sides of the plane of three points.
-    fn may_separate(&self, points: [glam::Vec3; 3]) -> bool {
-        let [a, b, c] = points.map(|point| point.as_dvec3());
-        let normal = (b - a).cross(c - a).normalize();
+    /// Returns whether some surface and some target lie on different sides of a plane, given by a
+    /// point and the unit normal.
+    fn may_separate(&self, (point, normal): (DVec3, DVec3)) -> bool {
         // For each side: whether any surface reaches it, and whether any target does.
         let (mut surfaces, mut targets) = ([false; 2], [false; 2]);
         for &ball in &self.balls {
             let ((center, radius, is_target), tolerance) = (ball, self.tolerance(ball));
-            let distance = normal.dot(center - a);
+            let distance = normal.dot(center - point);
             for (side, reach) in [radius - distance, radius + distance].into_iter().enumerate() {
                 let reaches = reach > tolerance;
                 surfaces[side] |= reaches;

@@ -18,8 +18,14 @@ pub fn surface([a, b, c]: [glam::Vec3; 3], [u, v]: [f32; 2]) -> (Vec3<f32>, Vec3
     (ab.mul_add(u, ac.mul_add(v, first)), Vec3::splat(triangle_normal([a, b, c])))
 }
 
+/// Returns the first vertex, and the unit normal of the triangle's plane.
+pub fn plane(vertices: [glam::Vec3; 3]) -> (glam::DVec3, glam::DVec3) {
+    let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+    (a, (b - a).cross(c - a).normalize())
+}
+
 /// Returns the distance of a point from a triangle's plane.
 pub fn distance(vertices: [glam::Vec3; 3], point: glam::DVec3) -> f64 {
-    let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
-    (point - a).dot((b - a).cross(c - a).normalize()).abs()
+    let (a, normal) = plane(vertices);
+    (point - a).dot(normal).abs()
 }

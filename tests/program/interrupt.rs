@@ -144,9 +144,13 @@ pub fn put_heavy_picture(desk: &Desk) -> &'static str {
 }
 
 #[test]
-fn ctrl_c_saves_the_samples_so_far() {
+fn ctrl_c_saves_the_samples_so_far_and_is_named_as_the_end() {
     let desk = Desk::new();
-    let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36 --json");
+    let picture = "builtin:three --samples 10000000 --size 64x36";
+    let printed = interrupted(&Desk::new(), picture);
+    assert!(printed.contains(" of 10,000,000 samples"), "{printed}");
+    assert!(printed.ends_with("ended by Ctrl-C or a signal\n"), "{printed}");
+    let printed = interrupted(&desk, &format!("{picture} --json"));
     let report: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!(report["interrupted"], true);
     let [least, most] = ["samples", "most_samples"].map(|key| report[key].as_u64().unwrap());
@@ -169,14 +173,6 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
     // It ends with the run of eight tiles that is under way: the checkpoint comes after the first or second.
     assert!((256..=8 * 8 * 256).contains(&begun) && pixels.len() == 512 * 256, "{begun} pixels");
     assert_eq!(desk.names(), ["a.exr", "c.part", "endless.json", "model.obj", "scene.json"]);
-}
-
-#[test]
-fn ctrl_c_is_named_as_the_end() {
-    let desk = Desk::new();
-    let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
-    assert!(printed.contains(" of 10,000,000 samples"), "{printed}");
-    assert!(printed.ends_with("ended by Ctrl-C or a signal\n"), "{printed}");
 }
 
 /// `timeout` and shells send their signals twice.

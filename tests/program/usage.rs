@@ -104,8 +104,6 @@ fn what_cannot_be_done_is_refused_with_what_to_do_instead() {
         ("render nowhere.json -o scene.json/picture.png", &["scene.json", "not a folder"]),
         ("render nowhere.json -o folder.png", &["folder.png", "is a folder"]),
         ("rays nowhere.json --dump folder", &["nowhere.json"]),
-        ("chart scene.json -o model.obj", &["cannot make the folder", "model.obj", "because: "]),
-        ("convert model.obj scene.json", &["scene.json", "exists", "--force"]),
         ("convert model.obj new.txt", &["would not be read as a scene", "write to new.json"]),
         ("convert model.stl new.json", &["`model.stl` is not a model\n", "export the model as"]),
         ("convert scene.json model.obj", &["the model comes first: octray convert model.obj scene.json"]),

@@ -209,7 +209,6 @@ fn faults_in_a_view_name_their_place_and_a_remedy() {
     folder.write("notes.txt", "no scene");
     for (keys, at, words) in [
         (r#""sky": {}"#, "sky, line 4", "the keys known here are"),
-        (r#""cammera": {}"#, "cammera, line 4", "did you mean `camera`?"),
         (r#""camera": { "fov": 9 }"#, "camera.fov, line 4", "vertical_fov"),
         (r#""render": { "sample": 9 }"#, "render.sample, line 4, column 25", "did you mean `samples`?"),
         (r#""render": { "tone": 3 }"#, "render.tone, line 4", "write a string here"),

@@ -179,27 +179,20 @@ fn lamps_light_and_are_shaded_at_every_scale() {
     }
 }
 
-/// A picture of even light all around.
-fn put_even_sky(scene: &mut Scene) {
-    let texels = Texels::Float32(vec![[1.0; 4]; 32]);
-    scene.textures =
-        vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
-    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };
-}
-
 /// The sky's chance counts on both sides, by search and by chance: here it is about two thirds.
 #[test]
 fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
     let (mut scene, lamp) = under_a_lamp(Vec3::ZERO, 1.0, Shape::Sphere);
     let corners = [vec3(-0.3, 0.0, -0.3), vec3(0.0, 0.0, 0.5), vec3(0.3, 0.0, -0.3)];
     scene.triangles[0] = triangle(corners, 0);
-    put_even_sky(&mut scene);
+    // A picture of even light all around.
+    scene.textures = vec![texture([8, 4], Filter::Nearest, Texels::Float32(vec![[1.0; 4]; 32]))];
+    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };
     let lights = Lights::new(&scene, LightChoice::On);
     let (_, chance) = lights.sky.as_ref().unwrap();
     assert!((0.4..0.8).contains(chance), "{chance}");
     // The lamp hides what it fills of the sky.
     let truth = 1.0 - 0.008 + lamp;
-    let methods = Methods { lights: LightChoice::On, ..Methods::default() };
-    let got = mean(&render(&scene, Settings { methods, ..Settings::of(&scene) }, 1024));
+    let got = mean(&render(&scene, with_lights(&scene, LightChoice::On), 1024));
     assert!((got / truth - 1.0).abs() < 0.01, "{got} of {truth}");
 }

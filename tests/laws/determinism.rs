@@ -40,11 +40,6 @@ fn furnished(rng: &mut Rng, materials: Vec<Material>, spheres: usize, triangles:
     scene
 }
 
-/// Every kind of everything, more of it than fits a register table.
-fn everything() -> Scene {
-    everything_of(12)
-}
-
 /// A lamp that paths look for, the first sphere, beside triangles that shine with a picture, which they do
 /// not look for.
 fn lamp_and_sign() -> Scene {
@@ -69,12 +64,12 @@ fn ball_in_a_dome() -> Scene {
     }
 }
 
-/// As [`everything`], and so much of it that it goes through the hierarchy.
-fn crowd() -> Scene {
-    everything_of(61)
-}
+/// So many triangles that they go through the hierarchy, and fewer.
+const CROWD: usize = 61;
+const FEW: usize = 12;
 
-fn everything_of(triangles: usize) -> Scene {
+/// Every kind of everything, more of it than fits a register table.
+fn everything(triangles: usize) -> Scene {
     let mut rng = Rng(51);
     let kinds = [
         Diffuse,
@@ -182,7 +177,14 @@ fn grazed_mirror() -> Scene {
 }
 
 fn scenes() -> [Scene; 6] {
-    [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone(), lamp_and_sign()]
+    [
+        everything(FEW),
+        everything(CROWD),
+        matt_and_mirror(),
+        few_textured(),
+        triangles_alone(),
+        lamp_and_sign(),
+    ]
 }
 
 /// A picture's bits, and how many rays it took.
@@ -231,11 +233,11 @@ fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
 #[test]
 fn test_scenes_need_every_feature_together() {
     let needs = |scene: &Scene| Renderer::new(scene, Settings::of(scene)).needs();
-    let all = needs(&crowd()).with(Features::SKY_GRADIENT);
+    let all = needs(&everything(CROWD)).with(Features::SKY_GRADIENT);
     assert!(all.contains(Features::ALL), "{:?}", all.names());
     assert!(needs(&matt_and_mirror()).contains(Features::SKY_GRADIENT));
     assert!(!needs(&few_textured()).contains(Features::MANY_TRIANGLES));
-    assert!(!needs(&everything()).contains(Features::HIERARCHY));
+    assert!(!needs(&everything(FEW)).contains(Features::HIERARCHY));
 }
 
 #[test]
@@ -244,7 +246,7 @@ fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
         // Every width, tile and number of threads, not every combination.
         check_ways(&scene, |threads, tile, call| threads == 1 + (tile + call) % 3 && call == tile % 2);
     }
-    check_ways(&everything(), |threads, tile, call| call == (threads + tile) % 2);
+    check_ways(&everything(FEW), |threads, tile, call| call == (threads + tile) % 2);
 }
 
 #[test]
@@ -288,7 +290,7 @@ fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
 fn picture_is_the_same_however_many_tiles_are_traced_together() {
     // One thread traces five of these tiles together, six threads one. Paths of three tiles fill the queue if
     // they all go on.
-    for scene in [everything(), ball_in_a_dome(), lamp_and_sign(), matt_and_mirror(), crowd()] {
+    for scene in [everything(FEW), ball_in_a_dome(), lamp_and_sign(), matt_and_mirror(), everything(CROWD)] {
         for max_bounces in [1, 2, 6] {
             let alone = Settings { threads: 6, lanes: 8, ..base(&scene, [160, 140], max_bounces) };
             let together = |lanes| Settings { threads: 1, lanes, ..alone };
@@ -346,7 +348,7 @@ impl RenderObserver for StopAfter {
 
 #[test]
 fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same() {
-    let scene = everything();
+    let scene = everything(FEW);
     // 156 tiles: one thread traces eight together, two four, three three.
     let base = Settings { tile_size: [3, 2], lanes: 8, ..base(&scene, [37, 23], 4) };
     let prints: Vec<Print> = (0..=5).map(|samples| Print::of(&scene, base, &[samples])).collect();
@@ -390,7 +392,7 @@ fn picture_is_the_same_from_the_pipeline_with_every_feature() {
 
 #[test]
 fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
-    for scene in [everything(), matt_and_mirror(), few_textured(), triangles_alone()] {
+    for scene in [everything(FEW), matt_and_mirror(), few_textured(), triangles_alone()] {
         for resolution in [[37, 23], [1, 1], [9, 1], [1, 9]] {
             for max_bounces in [0, 1, 4, 20] {
                 let base = base(&scene, resolution, max_bounces);
@@ -405,7 +407,7 @@ fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
 
 #[test]
 fn picture_is_the_same_for_all_lanes_with_every_choice_of_methods() {
-    let scene = everything();
+    let scene = everything(FEW);
     let of_triangle = |triangle| SphereChoice::ALL.map(|sphere| (sphere, triangle));
     for traversal in [TraversalChoice::Linear, TraversalChoice::Through(Traversal::Hybrid)] {
         for (sphere, triangle) in TriangleChoice::ALL.into_iter().flat_map(of_triangle) {
@@ -434,7 +436,7 @@ fn picture_is_the_same_through_every_traversal() {
 
 #[test]
 fn primary_hits_are_the_same_for_all_lanes_and_tiles() {
-    for scene in [everything(), triangles_alone()] {
+    for scene in [everything(FEW), triangles_alone()] {
         let hits = |lanes, tile_size| {
             let settings = Settings { lanes, tile_size, ..base(&scene, [37, 23], 0) };
             let mut hits = Renderer::new(&scene, settings).primary_hits(3);
@@ -451,7 +453,7 @@ fn primary_hits_are_the_same_for_all_lanes_and_tiles() {
 
 #[test]
 fn seed_samples_and_bounces_change_the_picture() {
-    let scene = everything();
+    let scene = everything(FEW);
     let base = base(&scene, [37, 23], 4);
     let one = Print::of(&scene, base, &[8]);
     // At the fifth segment most paths have ended.

@@ -20,13 +20,7 @@ const KINDS: [MaterialKind; 9] = [
 
 /// What is lit: a ball, as a sphere or as triangles with smooth normals.
 fn balls(kind: MaterialKind) -> [Scene; 4] {
-    let smooth = smooth_ball(kind);
-    let round = Scene {
-        triangles: Vec::new(),
-        normals: Vec::new(),
-        spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
-        ..smooth.clone()
-    };
+    let [round, smooth] = [round_ball(kind), smooth_ball(kind)];
     let mapped = |scene: &Scene| {
         let mut scene = scene.clone();
         let mut rng = Rng(71);
@@ -96,7 +90,7 @@ fn runs(scene: &Scene, methods: Methods, samples: u32, first_seed: u32) -> Vec<(
     let of_runs: Vec<Vec<f64>> = (0..RUNS)
         .map(|run| {
             let settings = Settings { methods, seed: first_seed + run, ..Settings::of(scene) };
-            means(&crate::common::render(scene, settings, samples))
+            means(&render(scene, settings, samples))
         })
         .collect();
     let of = |of: usize| mean_and_error(&of_runs.iter().map(|run| run[of]).collect::<Vec<_>>());

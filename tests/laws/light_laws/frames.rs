@@ -55,7 +55,7 @@ fn sunny(filter: Filter) -> Texture {
         .map(|i| if i / width < 14 { [0.2 + 0.01 * (i % 7) as f32; 4] } else { [0.0; 4] })
         .collect();
     texels[(5 * width + 9) as usize] = [300.0, 250.0, 200.0, 0.0];
-    Texture { name: "sun".into(), width, height, filter, texels: Texels::Float32(texels) }
+    texture([width, height], filter, Texels::Float32(texels))
 }
 
 fn under_the_sun(filter: Filter) -> Scene {

@@ -53,16 +53,16 @@ impl Desk {
         desk
     }
 
-    /// Returns the program with the words of a line as its arguments.
-    pub fn octray(&self, line: &str) -> Command {
-        self.octray_with(&line.split_whitespace().collect::<Vec<_>>())
+    /// Returns the program with the words of a line as its arguments, to be started.
+    pub fn command(&self, line: &str) -> std::process::Command {
+        let mut command = octray();
+        command.args(line.split_whitespace()).current_dir(self.path(""));
+        command
     }
 
-    /// Returns the program with arguments that may be empty or hold spaces.
-    fn octray_with(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::from_std(octray());
-        command.args(arguments).current_dir(self.path(""));
-        command
+    /// Returns the same, to be run to its end.
+    pub fn octray(&self, line: &str) -> Command {
+        Command::from_std(self.command(line))
     }
 
     /// Asserts that the arguments are refused: exit code 2, nothing on standard output, an error that
@@ -74,7 +74,7 @@ impl Desk {
     /// Variant of [`Desk::refuses`] for arguments that may be empty or hold spaces.
     pub fn refuses_with(&self, arguments: &[&str], words: &[&str]) -> String {
         let before = self.names();
-        let refused = self.octray_with(arguments).assert().code(2).stdout("");
+        let refused = self.octray("").args(arguments).assert().code(2).stdout("");
         let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
         // Warnings about the build may stand before it.
         let of_warning = |line: &&str| line.starts_with("warning: ") || line.starts_with("  ");

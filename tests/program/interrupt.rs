@@ -1,7 +1,7 @@
 //! Ctrl-C, and the signals that mean it.
 
 use crate::desk::Desk;
-use crate::program::{PROGRAM, away_from_home, octray, send_signal};
+use crate::program::{PROGRAM, away_from_home, send_signal};
 use crate::waiting::wait_for;
 use octray::render::{Renderer, Settings};
 use octray::scene;
@@ -44,13 +44,10 @@ impl Heard {
 
 impl Running {
     pub fn start(desk: &Desk, line: &str) -> Self {
-        let mut command = octray();
-        command.args(line.split(' '));
-        Self::spawn(desk, command)
+        Self::spawn(desk.command(line))
     }
 
-    fn spawn(desk: &Desk, mut command: Command) -> Self {
-        command.current_dir(desk.path(""));
+    fn spawn(mut command: Command) -> Self {
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let printed = Heard::from(child.stdout.take().unwrap());
         let said = Heard::from(child.stderr.take().unwrap());
@@ -197,7 +194,8 @@ fn hang_up_stays_ignored_under_nohup() {
         let mut command = away_from_home("sh");
         command.args(["-c", &format!("{ignore} exec \"$0\" $1"), PROGRAM]);
         command.arg("render builtin:three --samples 10000000 --size 64x36 -o a.exr");
-        let mut running = Running::spawn(&desk, command);
+        command.current_dir(desk.path(""));
+        let mut running = Running::spawn(command);
         // The handler of Ctrl-C is the last one.
         assert_eq!(running.wait_until_it_listens() & 1, hears, "{ignore}");
     }

@@ -160,6 +160,13 @@ pub fn texture([width, height]: [u32; 2], filter: Filter, texels: Texels) -> Tex
     Texture { name: "texture".into(), width, height, filter, texels }
 }
 
+/// The root of the mean square of their differences.
+pub fn rmse(a: &Picture, b: &Picture) -> f64 {
+    let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
+    let squares = pairs.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+    (squares.sum::<f64>() / (3 * a.pixels.len()) as f64).sqrt()
+}
+
 /// A texture of random numbers in [0, 1).
 pub fn noise(rng: &mut Rng, width: u32, height: u32, filter: Filter) -> Texture {
     let mut number = || rng.unit() as f32;

@@ -68,7 +68,4 @@ impl Seat {
         self.key(key, true);
         self.key(key, false);
     }
-    pub fn type_letters(&self, letters: &str) {
-        letters.chars().for_each(|letter| self.press(Key::Char(letter)));
-    }
 }

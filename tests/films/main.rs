@@ -17,11 +17,9 @@ use octray_formats::scene::load;
 use std::path::Path;
 use std::thread;
 
-const TABLE: &str = include_str!("hashes.txt");
-
 /// The films of the table: name, hash with FMA, hash without.
 fn table() -> impl Iterator<Item = [&'static str; 3]> {
-    let lines = TABLE.lines().filter(|line| !line.starts_with('#'));
+    let lines = include_str!("hashes.txt").lines().filter(|line| !line.starts_with('#'));
     lines.map(|line| line.split_whitespace().collect::<Vec<_>>().try_into().expect("three columns"))
 }
 

@@ -3,10 +3,8 @@
 
 use crate::common::*;
 
-/// A feature that a plain scene of one material gets: its name, and how.
-type Extra = (&'static str, fn(&mut Scene));
-
-const EXTRAS: [Extra; 17] = [
+/// Features that a plain scene of one material gets: their names, and how.
+const EXTRAS: [(&str, fn(&mut Scene)); 17] = [
     ("nothing", |_| ()),
     ("triangles", add_floor),
     ("smooth normals", |scene| *scene = Scene { sky: scene.sky, ..smooth_ball(scene.materials[0].kind) }),

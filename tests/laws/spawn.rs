@@ -39,23 +39,21 @@ fn buffers_hold_the_offsets_and_normals_that_are_tested_here() {
 const OWN: SpawnMethod = SpawnMethod::share(1.0);
 
 /// Edges of triangles, and their distances from the origin.
-const TRIANGLES: [(f64, &[f64]); 6] = [
-    (1.0, &[0.0, 1.0, 1e5]),
-    (1e3, &[1.0]),
-    (1e-3, &[1e-3, 1.0]),
-    (1e5, &[1e5]),
-    (1e-6, &[1e-6]),
-    (1e-2, &[30.0]),
+const TRIANGLES: [(f64, f64); 9] = [
+    (1.0, 0.0),
+    (1.0, 1.0),
+    (1.0, 1e5),
+    (1e3, 1.0),
+    (1e-3, 1e-3),
+    (1e-3, 1.0),
+    (1e5, 1e5),
+    (1e-6, 1e-6),
+    (1e-2, 30.0),
 ];
-
-/// Each size with each of its places.
-fn sizes_and_places(sizes: &[(f64, &'static [f64])]) -> Vec<(f64, f64)> {
-    sizes.iter().flat_map(|&(size, places)| places.iter().map(move |&place| (size, place))).collect()
-}
 
 #[test]
 fn triangles_are_left_without_hitting_them_again() {
-    for (size, place) in sizes_and_places(&TRIANGLES) {
+    for (size, place) in TRIANGLES {
         let (mut rng, mut counts) = (Rng(21), FailureCounts::default());
         while counts.tested < 40_000 {
             // Every other triangle is a sliver.
@@ -71,20 +69,20 @@ fn triangles_are_left_without_hitting_them_again() {
 
 /// Radii, and distances of the centre from the origin; both sides can be left while the distance is below
 /// some 10⁴ radii.
-const SPHERES: [(f64, &[f64]); 5] = [
-    (1.0, &[0.0, 1.0, 100.0]),
-    (1e-3, &[0.0, 1e-3, 1.0]),
-    (1e3, &[1.0, 1e3, 1e5]),
-    (1e6, &[1.0, 1e6, 1e8]),
-    (0.1, &[500.0]),
+const SPHERES: [(f64, [f64; 3]); 5] = [
+    (1.0, [0.0, 1.0, 100.0]),
+    (1e-3, [0.0, 1e-3, 1.0]),
+    (1e3, [1.0, 1e3, 1e5]),
+    (1e6, [1.0, 1e6, 1e8]),
+    (0.1, [50.0, 200.0, 500.0]),
 ];
 
 const SIDES: [Side; 2] = [Side::Outside, Side::Inside];
 
 #[test]
 fn spheres_are_left_on_both_sides_without_hitting_them_again() {
-    for (radius, place) in sizes_and_places(&SPHERES) {
-        for side in SIDES {
+    for (radius, places) in SPHERES {
+        for (place, side) in places.into_iter().flat_map(|place| SIDES.map(|side| (place, side))) {
             let (mut rng, mut counts) = (Rng(22), FailureCounts::default());
             while counts.tested < 20_000 {
                 let ball = Ball { center: (rng.direction() * place).as_vec3(), radius: radius as f32 };

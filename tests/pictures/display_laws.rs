@@ -22,12 +22,6 @@ fn difference(a: &Picture, b: &Picture) -> f32 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// The root of the sum of the squares of their differences.
-fn distance(a: &Picture, b: &Picture) -> f64 {
-    let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
-    pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
-}
-
 fn grey(value: f32) -> [f32; 3] {
     [value; 3]
 }
@@ -127,7 +121,7 @@ fn fxaa_smooths_a_slanted_edge_towards_what_it_covers() {
         });
         let mut fxaa = Fxaa::default();
         let smooth = fxaa.filter(&steps, &Tone::default());
-        let [error, before] = [smooth, &steps].map(|shown| distance(shown, &covered).powi(2));
+        let [error, before] = [smooth, &steps].map(|shown| rmse(shown, &covered).powi(2));
         assert!(error < 0.5 * before, "slope {slope}: {error} of {before}");
         // What is dark to one side is bright to the other: turned upside down, the edge gives the same
         // picture upside down.
@@ -171,7 +165,7 @@ fn denoiser_keeps_hard_edges_of_objects_and_removes_noise_on_them() {
         let change = (a[0] / b[0] - 1.0).abs();
         assert!(change < 1e-5 || mixed.contains(&place), "{place:?}: no light crosses an edge");
     }
-    let [before, after] = [&noisy, &denoised(&noisy, 1, &guides)].map(|shown| distance(shown, &clean));
+    let [before, after] = [&noisy, &denoised(&noisy, 1, &guides)].map(|shown| rmse(shown, &clean));
     assert!(after < before / 4.0, "{after} of {before}");
 }
 
@@ -340,7 +334,7 @@ fn denoiser_keeps_pictures_on_surfaces_sharp() {
         lit.pixels[(y * lit.width + x) as usize].map(|channel| channel * noise)
     });
     let [unharmed, left] =
-        [&lit, &noisy].map(|shown| distance(&denoised(shown, 1, &guides), &lit) / distance(&noisy, &lit));
+        [&lit, &noisy].map(|shown| rmse(&denoised(shown, 1, &guides), &lit) / rmse(&noisy, &lit));
     assert!(unharmed < 0.06, "light that is even on it: {unharmed}");
     assert!(left < 0.5, "{left}");
 }

@@ -24,12 +24,6 @@ fn plain(filter: Filter, height: f32) -> Scene {
     }
 }
 
-fn rmse(picture: &Picture, truth: &Picture) -> f64 {
-    let square = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)).powi(2);
-    let squares = picture.pixels.iter().flatten().zip(truth.pixels.iter().flatten()).map(square);
-    (squares.sum::<f64>() / (3 * picture.pixels.len()) as f64).sqrt()
-}
-
 fn settings(scene: &Scene, seed: u32) -> Settings {
     Settings { resolution: [96, 64], max_bounces: 2, seed, ..Settings::of(scene) }
 }

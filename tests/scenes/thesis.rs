@@ -121,13 +121,6 @@ fn textures_are_found_beside_the_scene_and_above_it_with_either_slash() {
     assert!(missing.warnings[0].contains("bin/texture/none.png") && missing.textures.is_empty());
 }
 
-/// Their lookup, from the description: column and row (from the top), each in [0, 1), of a point of a ball
-/// with outward normal `n` in their axes.
-fn their_ball_lookup(n: Vec3) -> [f32; 2] {
-    let u = (n.z.atan2(n.x) / std::f32::consts::TAU).rem_euclid(1.0);
-    [u, 1.0 - n.y.acos() / std::f32::consts::PI]
-}
-
 #[test]
 fn ball_textures_lie_as_in_their_program() {
     let scene = load_text(r#"{ "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
@@ -138,7 +131,9 @@ fn ball_textures_lie_as_in_their_program() {
         let u =
             (ours.z.atan2(ours.x) / std::f32::consts::TAU + scene.spheres[0].texture_turn).rem_euclid(1.0);
         let row = ours.y.acos() / std::f32::consts::PI;
-        let [their_u, their_row] = their_ball_lookup(theirs);
+        // Their lookup, from the description: column and row (from the top), each in [0, 1).
+        let their_u = (theirs.z.atan2(theirs.x) / std::f32::consts::TAU).rem_euclid(1.0);
+        let their_row = 1.0 - theirs.y.acos() / std::f32::consts::PI;
         assert!((u - their_u).abs() < 1e-6 && (row - their_row).abs() < 1e-6, "{theirs}: {u} {row}");
     }
 }

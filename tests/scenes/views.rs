@@ -69,7 +69,9 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
         assert!(own.view.is_none());
         let more = r#", "resolution": [31, 17], "max_bounces": 1023,
             "camera": { "position": [3.3,40,-5], "look_at": [0.1,0.2,0.3], "up": [0,0,-2], "vertical_fov": 12.7 }"#;
-        let load_with = |more| folder.load("deep/view.json", view(&from_below(base), more)).unwrap();
+        // The same scene, named from a folder inside.
+        let from_below = if base.starts_with("builtin:") { base.into() } else { format!("../{base}") };
+        let load_with = |more| folder.load("deep/view.json", view(&from_below, more)).unwrap();
         let scene = load_with(more);
         let place = |point: [f64; 3]| own.coordinates.to_scene(point.into()).as_vec3();
         let camera = Camera {
@@ -88,11 +90,6 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
         assert_eq!(scene.camera, Camera { position: place([9.0; 3]), ..own.camera }, "{base}");
         assert_eq!((scene.resolution, scene.max_bounces), (own.resolution, own.max_bounces), "{base}");
     }
-}
-
-/// The same scene, named from a folder inside.
-fn from_below(base: &str) -> String {
-    if base.starts_with("builtin:") { base.into() } else { format!("../{base}") }
 }
 
 /// The bits of all numbers of a view: equality would take −0 for 0.

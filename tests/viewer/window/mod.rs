@@ -28,11 +28,6 @@ fn wait_for_picture(viewer: &Viewer, what: &str, wanted: &Bytes) {
 fn wait_for_another(viewer: &Viewer, what: &str, than: &Bytes) -> Bytes {
     wait_for(what, || Some(viewer.picture()).filter(|picture| difference(picture, than) > OTHER))
 }
-/// Waits until the camera is where the scene has it.
-fn go_home(viewer: &Viewer, home: &Bytes) {
-    viewer.press("Home");
-    wait_for_picture(viewer, "home", home);
-}
 
 #[test]
 fn window_shows_what_render_writes_and_ends_when_it_is_closed() {
@@ -72,7 +67,8 @@ fn keys_move_the_camera_and_show_views_and_help() {
     wait_for_picture(&viewer, "the scene", &home);
     for key in ["w", "d", "space", "Left", "Up"] {
         viewer.hold(key, || wait_for_another(&viewer, key, &home));
-        go_home(&viewer, &home);
+        viewer.press("Home");
+        wait_for_picture(&viewer, "home", &home);
     }
     let mut before = home.clone();
     for digit in ["2", "3", "4", "6", "8", "0"] {

@@ -25,6 +25,15 @@ pub fn assert_fits(table: &str) {
     }
 }
 
+/// Asserts that a report has at least these values, also within its objects.
+#[track_caller]
+pub fn assert_has(report: &Value, expected: &Value) {
+    match expected {
+        Value::Object(values) => values.iter().for_each(|(key, value)| assert_has(&report[key], value)),
+        _ => assert_eq!(report, expected),
+    }
+}
+
 pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
@@ -94,8 +103,14 @@ impl Desk {
 
     /// Runs the program with `--json`, which succeeds; returns its report.
     pub fn json(&self, line: &str) -> Value {
-        let printed = self.run(&format!("{line} --json"));
-        serde_json::from_str(&printed).unwrap_or_else(|error| panic!("octray {line}: {error}"))
+        self.json_with_code(line, 0)
+    }
+
+    /// Variant of [`Desk::json`] for another exit code.
+    pub fn json_with_code(&self, line: &str, code: i32) -> Value {
+        let ended = self.octray(&format!("{line} --json")).assert().code(code);
+        let printed = &ended.get_output().stdout;
+        serde_json::from_slice(printed).unwrap_or_else(|error| panic!("octray {line}: {error}"))
     }
 
     /// Runs the program, which succeeds; returns its standard error.

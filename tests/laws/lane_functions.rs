@@ -7,6 +7,7 @@
 use octray::lane::functions::{approximate_rsqrt, atan2, cos, exp, ln, powf, sin, sin_cos, sin_cos_turns};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::f64::consts::TAU;
+use std::fmt::Debug;
 
 /// The worst of many errors and where it was.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +48,7 @@ fn steps(low: f32, high: f32, count: u32) -> impl Iterator<Item = f32> {
 
 /// Asserts a bound that `lane::functions` documents.
 #[track_caller]
-fn assert_bound<T: std::fmt::Debug>(name: &str, worst: Worst<T>, bound: f64) {
+fn assert_bound<T: Debug>(name: &str, worst: Worst<T>, bound: f64) {
     println!("{name}: {:.4e} at {:?}", worst.error, worst.at);
     assert!(worst.error <= bound, "{name}: {worst:?}, bound {bound:e}");
     // A bound far above the truth says nothing.
@@ -200,41 +201,37 @@ fn atan2_never_leaves_half_a_turn() {
     }
 }
 
-#[test]
-fn exp_overflows_to_infinity_and_underflows_to_zero() {
-    let inf = f32::INFINITY;
-    for (result, inputs) in [
-        (1.0, &[0.0, -0.0, 1e-40][..]),
-        (inf, &[88.722_9, 89.0, 1e30, inf]),
-        (0.0, &[-87.4, -104.0, -1e30, -inf]),
-        (f32::NAN, &[f32::NAN]),
-    ] {
-        inputs.iter().for_each(|&x| assert!(same(exp(x), result), "exp({x:?}) = {:?}", exp(x)));
-    }
-    assert!(exp(88.722_83).is_finite() && exp(-87.336_53) >= f32::MIN_POSITIVE);
-}
-
-#[test]
-fn ln_of_what_has_none_is_as_ieee_says() {
-    let inf = f32::INFINITY;
-    for (result, inputs) in
-        [(-inf, &[0.0, -0.0][..]), (0.0, &[1.0]), (inf, &[inf]), (f32::NAN, &[-1.0, -1e-40, -inf, f32::NAN])]
-    {
-        inputs.iter().for_each(|&x| assert!(same(ln(x), result), "ln({x:?}) = {:?}", ln(x)));
+/// Asserts results of special values.
+#[track_caller]
+fn assert_special<T: Copy + Debug>(of: impl Fn(T) -> f32, results: &[(f32, &[T])]) {
+    for &(result, inputs) in results {
+        inputs.iter().for_each(|&x| assert!(same(of(x), result), "{:?} of {x:?}, not {result:?}", of(x)));
     }
 }
 
 #[test]
-fn powf_of_special_values_is_as_documented() {
+fn exp_ln_and_powf_of_special_values_are_as_documented() {
     let (inf, nan) = (f32::INFINITY, f32::NAN);
-    for (result, inputs) in [
-        (1.0, &[(2.0, 0.0), (0.0, 0.0), (inf, 0.0), (nan, 0.0), (-3.0, 0.0), (1.0, 1e30)][..]),
-        (0.0, &[(0.0, 2.0), (inf, -2.0), (2.0, -inf), (0.5, inf), (2.0, -200.0)]),
-        (inf, &[(0.0, -2.0), (inf, 2.0), (2.0, inf), (2.0, 200.0)]),
-        (nan, &[(-2.0, 2.0), (2.0, nan), (nan, 1.0)]),
-    ] {
-        for &(x, y) in inputs {
-            assert!(same(powf(x, y), result), "powf({x:?}, {y:?}) = {:?}, not {result:?}", powf(x, y));
-        }
-    }
+    assert_special(
+        exp,
+        &[
+            (1.0, &[0.0, -0.0, 1e-40]),
+            (inf, &[88.722_9, 89.0, 1e30, inf]),
+            (0.0, &[-87.4, -104.0, -1e30, -inf]),
+            (nan, &[nan]),
+        ],
+    );
+    assert!(exp(88.722_83).is_finite() && exp(-87.336_53) >= f32::MIN_POSITIVE);
+    let of_ln: [(f32, &[f32]); 4] =
+        [(-inf, &[0.0, -0.0]), (0.0, &[1.0]), (inf, &[inf]), (nan, &[-1.0, -1e-40, -inf, nan])];
+    assert_special(ln, &of_ln);
+    assert_special(
+        |(x, y)| powf(x, y),
+        &[
+            (1.0, &[(2.0, 0.0), (0.0, 0.0), (inf, 0.0), (nan, 0.0), (-3.0, 0.0), (1.0, 1e30)]),
+            (0.0, &[(0.0, 2.0), (inf, -2.0), (2.0, -inf), (0.5, inf), (2.0, -200.0)]),
+            (inf, &[(0.0, -2.0), (inf, 2.0), (2.0, inf), (2.0, 200.0)]),
+            (nan, &[(-2.0, 2.0), (2.0, nan), (nan, 1.0)]),
+        ],
+    );
 }

@@ -233,11 +233,7 @@ fn faults_in_a_view_name_their_place_and_a_remedy() {
     ] {
         folder.assert_refused("view.json", view(scene, ""), "scene, line 3, column 12", words);
     }
-}
-
-#[test]
-fn faults_in_the_scene_of_a_view_stay_its_own() {
-    let folder = Folder::new();
+    // Those of its scene stay the scene's own.
     let broken = folder.write("broken.obj", "v 0 0 0\nf 1 2 3\n");
     let error = folder.load("view.json", view("broken.obj", "")).unwrap_err();
     assert_eq!(error.file, Some(PathBuf::from(broken)));

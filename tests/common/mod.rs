@@ -24,8 +24,7 @@ pub use octray::scene::{
     Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
 };
 pub use octray::tone::Tone;
-pub use octray::traverse::List;
-pub use octray::traverse::{Traversal, hierarchy::Hierarchy};
+pub use octray::traverse::{List, Traversal, hierarchy::Hierarchy};
 
 // The numbers and rays of `octray stability`.
 pub use octray::measure::stability::Rng;

@@ -1,8 +1,7 @@
 //! A viewer without a window: the test is its front end.
 #![allow(dead_code)] // Every test file takes its own part.
 
-use octray::render::Methods;
-use octray::render::{LaneChoice, PipelineChoice};
+use octray::render::{LaneChoice, Methods, PipelineChoice};
 use octray::scene::Loaded;
 use octray::tone::Tone;
 use octray::viewer::frame::Frame;

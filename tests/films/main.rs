@@ -9,8 +9,7 @@
 
 use octray_engine::lane::{FUSED, WIDTHS};
 use octray_engine::lights::LightChoice;
-use octray_engine::render::Methods;
-use octray_engine::render::{Renderer, Settings};
+use octray_engine::render::{Methods, Renderer, Settings};
 use octray_engine::sampling::Sampler;
 use octray_engine::scene::Scene;
 use octray_formats::scene::load;

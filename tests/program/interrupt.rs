@@ -98,6 +98,14 @@ impl Running {
         assert!(!said.contains("samples  "), "progress is for terminals: {said}");
         (status.code(), printed, said)
     }
+
+    /// Presses Ctrl-C, which ends it: what was printed, and what was said on standard error.
+    fn interrupt(self) -> (String, String) {
+        self.press_ctrl_c();
+        let (code, printed, said) = self.end();
+        assert_eq!(code, Some(130), "{printed}{said}");
+        (printed, said)
+    }
 }
 
 impl Drop for Running {
@@ -109,11 +117,7 @@ impl Drop for Running {
 
 /// Returns the standard output of a rendering that Ctrl-C ends when tiles are done.
 fn interrupted(desk: &Desk, arguments: &str) -> String {
-    let running = Running::rendering(desk, arguments);
-    running.press_ctrl_c();
-    let (code, printed, said) = running.end();
-    assert_eq!(code, Some(130), "{printed}{said}");
-    printed
+    Running::rendering(desk, arguments).interrupt().0
 }
 
 /// Asserts that every pixel of a picture is that of `least` to `most` samples, to the bit: only a rendering
@@ -211,11 +215,9 @@ fn ctrl_c_before_the_first_tile_is_done_writes_nothing_and_says_so() {
     let arguments = "endless.json --size 64x64 --bounces 1024 --lanes 1 --traversal linear --samples 4";
     let mut running = Running::start(&desk, &format!("render {arguments} -o a.exr --threads 1"));
     running.wait_until_it_listens();
-    running.press_ctrl_c();
-    let (code, printed, said) = running.end();
-    assert_eq!((code, printed.as_str()), (Some(130), ""));
-    assert!(said.contains("nothing was written"), "{said}");
-    assert_eq!(std::fs::read_to_string(desk.path("a.exr")).unwrap(), "of yesterday");
+    let (printed, said) = running.interrupt();
+    assert!(printed.is_empty() && said.contains("nothing was written"), "{printed}{said}");
+    assert_eq!(desk.text("a.exr"), "of yesterday");
     assert_eq!(desk.names(), ["a.exr", "endless.json", "model.obj", "scene.json"]);
 }
 
@@ -226,9 +228,7 @@ fn ctrl_c_twice_ends_at_once_and_writes_nothing() {
     let running = Running::rendering(&desk, put_heavy_picture(&desk));
     running.press_ctrl_c();
     running.wait_until_it_says("again ends without it");
-    running.press_ctrl_c();
-    let (code, printed, _) = running.end();
-    assert_eq!((code, printed.as_str()), (Some(130), ""));
+    assert_eq!(running.interrupt().0, "");
     assert_eq!(desk.names(), ["c.part", "endless.json", "model.obj", "scene.json"]);
 }
 
@@ -240,9 +240,7 @@ fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
     let line = "bench builtin:three endless.json --size 64x36 --frames 1 --threads 1 --bounces 1024";
     let running = Running::start(&desk, line);
     running.printed.wait_for("\nbuiltin:three");
-    running.press_ctrl_c();
-    let (code, _, said) = running.end();
-    assert_eq!(code, Some(130), "{said}");
+    let (_, said) = running.interrupt();
     let ratios = said.lines().find(|line| line.starts_with("builtin:three")).unwrap_or_default();
     assert!(ratios.contains('×') && !said.contains("endless.json"), "{said}");
     assert!(said.ends_with("Ctrl-C came after 1 of 2 scenes.\n"), "{said}");
@@ -258,9 +256,7 @@ fn commands_that_are_interrupted_before_they_print_say_what_they_leave() {
         let desk = Desk::new();
         let mut running = Running::start(&desk, line);
         running.wait_until_it_listens();
-        running.press_ctrl_c();
-        let (code, printed, said) = running.end();
-        assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
-        assert!(said.contains(words), "{said}");
+        let (printed, said) = running.interrupt();
+        assert!(printed.is_empty() && said.contains(words), "{printed}{said}");
     }
 }

@@ -4,8 +4,7 @@
 use crate::folder::Folder;
 use glam::{Vec3, vec3};
 use octray::lights::LightChoice;
-use octray::render::PipelineChoice;
-use octray::render::{SphereChoice, TraversalChoice, TriangleChoice};
+use octray::render::{PipelineChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use octray::sampling::Sampler;
 use octray::scene::{Camera, CameraPath, Keyframe, Loaded, Rendering, Scene, View, load, load_with_view};
 use octray::tone::Operator;

@@ -3,16 +3,6 @@
 use crate::common::*;
 use octray::kernel::normals;
 
-const KINDS: [MaterialKind; 7] = [
-    Diffuse,
-    Metal { roughness: 0.0 },
-    Metal { roughness: 0.3 },
-    Plastic { roughness: 0.0, ior: 1.5 },
-    Plastic { roughness: 0.5, ior: 1.5 },
-    MetalRough { roughness: 0.5, metallic: 0.5, ior: 1.5 },
-    Glass { ior: 1.5 },
-];
-
 fn furnace(kind: MaterialKind) -> Scene {
     let mut scene = smooth_ball(kind);
     scene.materials[0].color = Vec3::ONE;
@@ -123,7 +113,7 @@ fn reflections_in_tilted_normals_are_continuous_as_roughness_vanishes() {
 /// A light inside a closed body is not seen outside: no ray that leaves the body starts inside.
 #[test]
 fn nothing_leaves_below_the_surface() {
-    for kind in KINDS.into_iter().filter(|kind| !matches!(kind, Glass { .. })) {
+    for kind in KINDS.into_iter().filter(|kind| !matches!(kind, Glass { .. } | ThinGlass { .. })) {
         let dark = furnace(kind);
         let mut lit = dark.clone();
         lit.materials.push(lamp(1e6));
@@ -133,7 +123,7 @@ fn nothing_leaves_below_the_surface() {
             let settings = Settings { resolution: [60, 40], max_bounces: 9, seed: 4, ..by_chance };
             render(&scene, settings, 64).pixels
         });
-        assert_eq!(dark, lit, "{kind:?}");
+        assert!(dark == lit, "{kind:?}");
     }
 }
 

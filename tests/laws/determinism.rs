@@ -71,40 +71,25 @@ const FEW: usize = 12;
 /// Every kind of everything, more of it than fits a register table.
 fn everything(triangles: usize) -> Scene {
     let mut rng = Rng(51);
-    let kinds = [
-        Diffuse,
-        Metal { roughness: 0.0 },
-        Metal { roughness: 0.4 },
-        Glass { ior: 1.5 },
-        FuzzyMirror { roughness: 0.7 },
-        Diffuse,
-        Diffuse,
-        Emitter,
-        Glass { ior: 0.8 },
-        Metal { roughness: 1.0 },
-        Plastic { roughness: 0.0, ior: 1.5 },
-        Plastic { roughness: 0.5, ior: 1.7 },
-        MetalRough { roughness: 0.6, metallic: 0.4, ior: 1.5 },
-        MetalRough { roughness: 0.0, metallic: 0.0, ior: 1.5 },
-        ThinGlass { ior: 1.5 },
-    ];
-    let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
+    let kinds = [Diffuse, Diffuse, Diffuse, Emitter].into_iter().chain(KINDS);
+    let mut materials: Vec<Material> = kinds.map(|kind| colored(&mut rng, kind)).collect();
     materials[0].texture = Some(0);
-    materials[4].texture = Some(1);
-    materials[5].texture = Some(1);
-    materials[6].emission = vec3(0.2, 0.1, 0.4);
-    materials[7].emission = vec3(3.0, 2.0, 1.0);
-    materials[7].texture = Some(0);
-    materials[2].roughness_map = Some(2);
-    materials[4].roughness_map = Some(1);
-    materials[8].normal_map = Some(2);
-    materials[9].normal_map = Some(1);
     materials[0].normal_map = Some(2);
-    materials[11].roughness_map = Some(0);
-    materials[12].roughness_map = Some(1);
-    materials[12].normal_map = Some(1);
+    materials[1].texture = Some(1);
+    materials[2].emission = vec3(0.2, 0.1, 0.4);
+    materials[3].emission = vec3(3.0, 2.0, 1.0);
+    materials[3].texture = Some(0);
+    // Metal, smooth and rough; glass; the fuzzy mirror; rough plastic; and what lies between.
+    materials[5].normal_map = Some(1);
+    materials[6].roughness_map = Some(2);
+    materials[8].normal_map = Some(2);
+    materials[10].texture = Some(1);
+    materials[10].roughness_map = Some(1);
+    materials[12].roughness_map = Some(0);
     materials[13].emission = vec3(0.3, 0.2, 0.1);
     materials[13].emission_map = Some(2);
+    materials[14].roughness_map = Some(1);
+    materials[14].normal_map = Some(1);
     let mut scene = furnished(&mut rng, materials, 20, triangles, true);
     // Every other triangle is smooth.
     scene.normals = (0..scene.triangles.len())

@@ -7,9 +7,9 @@ use octray::render::RenderObserver;
 use octray::scene::builtin_names;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-fn colored(rng: &mut Rng, kind: MaterialKind) -> Material {
-    let color = vec3(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32) * 0.5 + 0.5;
-    Material { color, ..material(kind) }
+fn colored(rng: &mut Rng, kinds: impl IntoIterator<Item = MaterialKind>) -> Vec<Material> {
+    let mut color = || vec3(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32) * 0.5 + 0.5;
+    kinds.into_iter().map(|kind| Material { color: color(), ..material(kind) }).collect()
 }
 
 /// Spheres and triangles in front of the camera, wearing the materials by turns.
@@ -72,7 +72,7 @@ const FEW: usize = 12;
 fn everything(triangles: usize) -> Scene {
     let mut rng = Rng(51);
     let kinds = [Diffuse, Diffuse, Diffuse, Emitter].into_iter().chain(KINDS);
-    let mut materials: Vec<Material> = kinds.map(|kind| colored(&mut rng, kind)).collect();
+    let mut materials = colored(&mut rng, kinds);
     materials[0].texture = Some(0);
     materials[0].normal_map = Some(2);
     materials[1].texture = Some(1);
@@ -107,8 +107,7 @@ fn everything(triangles: usize) -> Scene {
 /// What the pipeline for matt and mirroring spheres draws.
 fn matt_and_mirror() -> Scene {
     let mut rng = Rng(52);
-    let kinds = [Diffuse, Metal { roughness: 0.0 }, Diffuse];
-    let materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
+    let materials = colored(&mut rng, [Diffuse, Metal { roughness: 0.0 }, Diffuse]);
     Scene {
         sky: Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) },
         ..furnished(&mut rng, materials, 7, 0, false)
@@ -119,8 +118,7 @@ fn matt_and_mirror() -> Scene {
 fn few_textured() -> Scene {
     let mut rng = Rng(53);
     let [fuzzy, metal] = [FuzzyMirror { roughness: 1.5 }, Metal { roughness: 0.0 }];
-    let kinds = [Diffuse, fuzzy, Emitter, metal];
-    let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
+    let mut materials = colored(&mut rng, [Diffuse, fuzzy, Emitter, metal]);
     materials[0].texture = Some(0);
     materials[2].emission = Vec3::splat(2.0);
     let textures = vec![noise(&mut rng, 6, 6, Filter::Nearest)];
@@ -130,8 +128,7 @@ fn few_textured() -> Scene {
 /// Triangles alone, without texture coordinates, under a sky that is read at the nearest texel.
 fn triangles_alone() -> Scene {
     let mut rng = Rng(54);
-    let kinds = [Diffuse, Glass { ior: 1.3 }];
-    let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
+    let mut materials = colored(&mut rng, [Diffuse, Glass { ior: 1.3 }]);
     materials[1].emission = vec3(0.0, 0.3, 0.0);
     let textures = vec![noise(&mut rng, 9, 5, Filter::Nearest)];
     let sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };

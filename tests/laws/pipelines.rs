@@ -3,8 +3,10 @@
 
 use crate::common::*;
 
-/// Features that a plain scene of one material gets: their names, and how.
-const EXTRAS: [(&str, fn(&mut Scene)); 17] = [
+/// A feature that a plain scene of one material gets: its name, and how.
+type Extra = (&'static str, fn(&mut Scene));
+
+const EXTRAS: [Extra; 17] = [
     ("nothing", |_| ()),
     ("triangles", add_floor),
     ("smooth normals", |scene| *scene = Scene { sky: scene.sky, ..smooth_ball(scene.materials[0].kind) }),

@@ -213,8 +213,10 @@ fn spread(axes: usize, [a, b]: &[Vec<Point>; 2]) -> f64 {
     cells.iter().map(|cell: &f64| (cell - n / 16.0).powi(2)).sum::<f64>() / n
 }
 
-/// Functions on the square: their names, themselves, their integrals.
-const FUNCTIONS: [(&str, fn(Point) -> f64, f64); 3] = [
+/// A function on the square: its name, itself, its integral.
+type Integrand = (&'static str, fn(Point) -> f64, f64);
+
+const FUNCTIONS: [Integrand; 3] = [
     ("smooth", |[x, y]| (-x * x - y * y).exp(), 0.557_746_285_351_034_2),
     ("disc", |[x, y]| f64::from(u8::from(x * x + y * y < 1.0)), FRAC_PI_4),
     ("edge", |[x, y]| f64::from(u8::from(x + 0.37 * y < 0.6)), 0.415),

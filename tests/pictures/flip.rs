@@ -49,11 +49,13 @@ fn picture([width, height]: [u32; 2], rule: Rule) -> Picture {
     Picture { width, height, pixels: pixels.collect() }
 }
 
+/// Name, size, reference, test, pixels per degree, expected mean.
+type Case = (&'static str, [u32; 2], Rule, Rule, f64, f64);
+
 #[test]
 fn flip_is_that_of_its_authors_program() {
     let sparks = |x, y, c| if mix(x, y, 7).is_multiple_of(97) { 255 } else { night(x, y, c) };
-    // Name, size, reference, test, pixels per degree, expected mean.
-    let cases: [(&str, [u32; 2], Rule, Rule, f64, f64); 11] = [
+    let cases: [Case; 11] = [
         ("noise on slopes", [64, 48], slopes, noisy, 67.0, 0.073_251_5),
         ("the same from nearby", [64, 48], slopes, noisy, 30.0, 0.145_323_2),
         ("the same from afar", [64, 48], slopes, noisy, 140.0, 0.046_369_8),

@@ -23,14 +23,6 @@ fn radiances(count: usize) -> [Vec<f32>; 2] {
     [candles.collect(), unlike.collect()]
 }
 
-/// How often each light was drawn, and the moments of what was left of the number.
-#[derive(Clone, Copy, Default)]
-struct Seen {
-    count: f64,
-    sum: f64,
-    squares: f64,
-}
-
 #[test]
 fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it() {
     const NUMBERS: u32 = 1 << 24;
@@ -38,17 +30,19 @@ fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it
         for radiances in radiances(count) {
             let lights = Lights::new(&lamps(&radiances), LightChoice::On);
             assert_eq!(lights.len(), count);
-            let mut seen = vec![Seen::default(); count];
+            // How often each light was drawn, and the moments of what was left of the number.
+            let mut seen = vec![[0.0; 3]; count];
             let never = || -> f32 { unreachable!("one number is enough") };
             // Every number there is.
             for number in 0..NUMBERS {
                 let u = number as f32 / NUMBERS as f32;
                 let (light, rest) = lights.choose_by_power::<f32>(u, never, never, count <= Lights::FEW);
                 assert!((0.0..1.0).contains(&rest), "{count} lights: {rest} left of {u}");
-                let (at, rest) = (&mut seen[light.at.x as usize], f64::from(rest));
-                *at = Seen { count: at.count + 1.0, sum: at.sum + rest, squares: at.squares + rest * rest };
+                let rest = f64::from(rest);
+                let sums = seen[light.at.x as usize].iter_mut();
+                sums.zip([1.0, rest, rest * rest]).for_each(|(sum, more)| *sum += more);
             }
-            for (number, Seen { count: drawn, sum, squares }) in seen.into_iter().enumerate() {
+            for (number, [drawn, sum, squares]) in seen.into_iter().enumerate() {
                 let what = format!("light {number} of {count}, radiance {:e}", radiances[number]);
                 let chance = f64::from(lights.probabilities[number]);
                 // A border of a slot and one within it may each be off by one number; the least chance is

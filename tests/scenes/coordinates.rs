@@ -25,10 +25,9 @@ fn seen(scene: &Scene) -> String {
 }
 
 /// A native scene with what is given for its camera, at this place and of this scale.
-fn scene(folder: &Folder, camera: Value, translate: [f64; 3], scale: f64) -> Scene {
+fn scene(folder: &Folder, mut camera: Value, translate: [f64; 3], scale: f64) -> Scene {
     folder.write("m.obj", "v 0.5 0.25 0\nv 2.125 0 7\nv 0.75 2 1.5\nf 1 2 3\n");
     let point = |p: [f64; 3]| json!([0, 1, 2].map(|axis| p[axis] * scale + translate[axis]));
-    let mut camera = camera;
     for key in ["position", "look_at"] {
         if let Some(p) = camera.get_mut(key) {
             *p = point(serde_json::from_value(p.clone()).unwrap());

@@ -4,6 +4,7 @@
 use crate::folder::Folder;
 use glam::{Vec3, vec3};
 use octray::lights::LightChoice;
+use octray::measure::stability::Rng;
 use octray::render::{PipelineChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use octray::sampling::Sampler;
 use octray::scene::{Camera, CameraPath, Keyframe, Loaded, Rendering, Scene, View, load, load_with_view};
@@ -115,17 +116,10 @@ fn written_views_read_back_in_every_bit() {
         sampler: Some(Sampler::Random),
         pipeline: Some(PipelineChoice::Auto),
     };
-    // Bits by a linear congruence, at magnitudes that a scene may hold: all exponents from 1e-45 on, zeros of
-    // both signs.
-    let mut state = 1_u32;
-    let mut next = || loop {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let x = f32::from_bits(state.rotate_left(11));
-        if x.abs() <= 1e12 {
-            return x;
-        }
-    };
-    let mut point = || Vec3::from_array(std::array::from_fn(|_| next()));
+    // Any bits, at magnitudes that a scene may hold: all exponents from 1e-45 on.
+    let mut rng = Rng(1);
+    let mut numbers = std::iter::repeat_with(|| f32::from_bits(rng.bits())).filter(|x| x.abs() <= 1e12);
+    let mut point = || Vec3::from_array(std::array::from_fn(|_| numbers.next().unwrap()));
     let zeros = [Vec3::ZERO, vec3(0.0, 0.0, 1.0), vec3(0.0, 1.0, -0.0)];
     let mut read = 0;
     for turn in 0..2_000 {

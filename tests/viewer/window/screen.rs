@@ -99,8 +99,8 @@ pub struct Viewer {
 }
 
 impl Viewer {
-    /// Starts it in a folder, and waits for the window to be there and hear keys; `None`, and a word about it,
-    /// where there is no screen.
+    /// Starts it in a folder, and waits for the window to be there and hear keys; `None`, and a word about
+    /// it, where there is no screen.
     pub fn start(folder: &Folder, arguments: &str) -> Option<Self> {
         let screen = Screen::start()?;
         let mut command = screen.command(PROGRAM);

@@ -344,8 +344,8 @@ fn blocks_of_pixels_share_a_net_before_the_first_bounce() {
 
 #[test]
 fn pairs_of_a_block_of_pixels_meet_as_independent_orders_do() {
-    // A number of one pair against a number of another on a 4 × 4 grid: the sum of squares of (count − 4), over
-    // 64, is 15/16 for independent numbers. Pairs that read the same part of the table give 3.
+    // A number of one pair against a number of another on a 4 × 4 grid: the sum of squares of (count − 4),
+    // over 64, is 15/16 for independent numbers. Pairs that read the same part of the table give 3.
     const SEEDS: u32 = 1000;
     let shared: Vec<u32> = shared_pairs().collect();
     for (i, &d) in shared.iter().enumerate() {

@@ -8,6 +8,19 @@ use tempfile::TempDir;
 
 pub struct Folder(TempDir);
 
+/// A glTF model of the triangle (0, 0, 0), (1, 0, 0), (0, 1, 0), whose numbers are at an address; `more` are
+/// other keys of the model: its `materials`, at least one, and what they need.
+pub fn gltf_triangle(address: &str, more: &str) -> String {
+    format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "scenes": [{{ "nodes": [0] }}], "nodes": [{{ "mesh": 0 }}],
+        "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0, "TEXCOORD_0": 1 }}, "material": 0 }}] }}],
+        "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }},
+            {{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2" }}],
+        "bufferViews": [{{ "buffer": 0, "byteLength": 36 }}],
+        "buffers": [{{ "uri": "{address}", "byteLength": 36 }}], {more} }}"#
+    )
+}
+
 impl Folder {
     pub fn new() -> Self {
         Self(TempDir::new().unwrap())
@@ -35,6 +48,11 @@ impl Folder {
         load(&self.write(name, content))
     }
 
+    /// Writes a native scene of these keys, and loads it.
+    pub fn load_keys(&self, keys: &str) -> Result<Scene, SceneError> {
+        self.load("scene.json", format!(r#"{{ "format": "octray-1", {keys} }}"#))
+    }
+
     /// Asserts that a file is refused as a scene: the message names the file and the place in it, contains
     /// these words, and says what to write instead.
     #[track_caller]
@@ -45,6 +63,12 @@ impl Folder {
         assert!(error.at.as_deref().unwrap_or_default().starts_with(at), "not at {at:?}, {text}: {error}");
         assert!(error.to_string().contains(words), "without {words:?}, {text}: {error}");
         assert!(error.mend.is_some(), "without a remedy, {text}: {error}");
+    }
+
+    /// Writes [`gltf_triangle`], and its numbers into a file beside it.
+    pub fn write_gltf_triangle(&self, name: &str, numbers: &str, more: &str) {
+        self.write(numbers, [0_f32, 0., 0., 1., 0., 0., 0., 1., 0.].map(f32::to_le_bytes).concat());
+        self.write(name, gltf_triangle(numbers, more));
     }
 
     /// Saves a picture of four pixels of one colour.

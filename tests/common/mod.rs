@@ -124,6 +124,17 @@ pub fn render(scene: &Scene, settings: Settings, samples: u32) -> Picture {
     film(scene, settings, samples).picture()
 }
 
+/// The scene's own settings, with lights that are found in this way.
+pub fn with_lights(scene: &Scene, lights: LightChoice) -> Settings {
+    Settings { methods: Methods { lights, ..Methods::default() }, ..Settings::of(scene) }
+}
+
+/// The picture of so many samples with independent numbers.
+pub fn render_by_random(scene: &Scene, lights: LightChoice, samples: u32) -> Picture {
+    let methods = Methods { lights, sampler: Sampler::Random, ..Methods::default() };
+    render(scene, Settings { methods, ..Settings::of(scene) }, samples)
+}
+
 /// What the judge is told to render the same.
 pub fn path_settings(settings: Settings) -> PathSettings {
     let Settings { resolution, max_bounces, seed, methods, .. } = settings;
@@ -145,6 +156,17 @@ pub fn mean(picture: &Picture) -> f64 {
     sum / (3 * picture.pixels.len()) as f64
 }
 
+pub fn texture([width, height]: [u32; 2], filter: Filter, texels: Texels) -> Texture {
+    Texture { name: "texture".into(), width, height, filter, texels }
+}
+
+/// The root of the mean square of their differences.
+pub fn rmse(a: &Picture, b: &Picture) -> f64 {
+    let pairs = a.pixels.as_flattened().iter().zip(b.pixels.as_flattened());
+    let squares = pairs.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+    (squares.sum::<f64>() / (3 * a.pixels.len()) as f64).sqrt()
+}
+
 /// A texture of random numbers in [0, 1).
 pub fn noise(rng: &mut Rng, width: u32, height: u32, filter: Filter) -> Texture {
     let mut number = || rng.unit() as f32;
@@ -155,7 +177,7 @@ pub fn noise(rng: &mut Rng, width: u32, height: u32, filter: Filter) -> Texture 
     } else {
         Texels::Srgb8(texels.map(|texel| texel.map(|x| (255.0 * x) as u8)).collect())
     };
-    Texture { name: "noise".into(), width, height, filter, texels }
+    texture([width, height], filter, texels)
 }
 
 /// A ball of 80 triangles of one material with the normals of the sphere, seen under a sky that tells
@@ -192,4 +214,10 @@ pub fn smooth_ball(kind: MaterialKind) -> Scene {
     }
     assert_eq!(scene.triangles.len(), 80);
     scene
+}
+
+/// The same, but the sphere itself.
+pub fn round_ball(kind: MaterialKind) -> Scene {
+    let spheres = vec![sphere(Vec3::ZERO, 1.0, 0)];
+    Scene { triangles: Vec::new(), normals: Vec::new(), spheres, ..smooth_ball(kind) }
 }

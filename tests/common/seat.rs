@@ -1,8 +1,7 @@
 //! A viewer without a window: the test is its front end.
 #![allow(dead_code)] // Every test file takes its own part.
 
-use octray::render::Methods;
-use octray::render::{LaneChoice, PipelineChoice};
+use octray::render::{LaneChoice, Methods, PipelineChoice};
 use octray::scene::Loaded;
 use octray::tone::Tone;
 use octray::viewer::frame::Frame;
@@ -67,8 +66,5 @@ impl Seat {
     pub fn press(&self, key: Key) {
         self.key(key, true);
         self.key(key, false);
-    }
-    pub fn type_letters(&self, letters: &str) {
-        letters.chars().for_each(|letter| self.press(Key::Char(letter)));
     }
 }

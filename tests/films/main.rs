@@ -9,19 +9,16 @@
 
 use octray_engine::lane::{FUSED, WIDTHS};
 use octray_engine::lights::LightChoice;
-use octray_engine::render::Methods;
-use octray_engine::render::{Renderer, Settings};
+use octray_engine::render::{Methods, Renderer, Settings};
 use octray_engine::sampling::Sampler;
 use octray_engine::scene::Scene;
 use octray_formats::scene::load;
 use std::path::Path;
 use std::thread;
 
-const TABLE: &str = include_str!("hashes.txt");
-
 /// The films of the table: name, hash with FMA, hash without.
 fn table() -> impl Iterator<Item = [&'static str; 3]> {
-    let lines = TABLE.lines().filter(|line| !line.starts_with('#'));
+    let lines = include_str!("hashes.txt").lines().filter(|line| !line.starts_with('#'));
     lines.map(|line| line.split_whitespace().collect::<Vec<_>>().try_into().expect("three columns"))
 }
 

@@ -24,14 +24,6 @@ fn radiances(count: usize) -> [Vec<f32>; 2] {
     [candles.collect(), unlike.collect()]
 }
 
-/// How often each light was drawn, and the moments of what was left of the number.
-#[derive(Clone, Copy, Default)]
-struct Seen {
-    count: f64,
-    sum: f64,
-    squares: f64,
-}
-
 #[test]
 fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it() {
     const NUMBERS: u32 = 1 << 24;
@@ -39,17 +31,19 @@ fn one_number_chooses_each_of_a_few_lights_by_its_chance_and_a_point_all_over_it
         for radiances in radiances(count) {
             let lights = Lights::new(&lamps(&radiances), LightChoice::On);
             assert_eq!(lights.len(), count);
-            let mut seen = vec![Seen::default(); count];
+            // How often each light was drawn, and the moments of what was left of the number.
+            let mut seen = vec![[0.0; 3]; count];
             let never = || -> f32 { unreachable!("one number is enough") };
             // Every number there is.
             for number in 0..NUMBERS {
                 let u = number as f32 / NUMBERS as f32;
                 let (light, rest) = lights.choose_by_power::<f32>(u, never, never, count <= LightTable::FEW);
                 assert!((0.0..1.0).contains(&rest), "{count} lights: {rest} left of {u}");
-                let (at, rest) = (&mut seen[light.at.x as usize], f64::from(rest));
-                *at = Seen { count: at.count + 1.0, sum: at.sum + rest, squares: at.squares + rest * rest };
+                let rest = f64::from(rest);
+                let sums = seen[light.at.x as usize].iter_mut();
+                sums.zip([1.0, rest, rest * rest]).for_each(|(sum, more)| *sum += more);
             }
-            for (number, Seen { count: drawn, sum, squares }) in seen.into_iter().enumerate() {
+            for (number, [drawn, sum, squares]) in seen.into_iter().enumerate() {
                 let what = format!("light {number} of {count}, radiance {:e}", radiances[number]);
                 let chance = f64::from(lights.probabilities[number]);
                 // A border of a slot and one within it may each be off by one number; the least chance is
@@ -180,27 +174,20 @@ fn lamps_light_and_are_shaded_at_every_scale() {
     }
 }
 
-/// A picture of even light all around.
-fn put_even_sky(scene: &mut Scene) {
-    let texels = Texels::Float32(vec![[1.0; 4]; 32]);
-    scene.textures =
-        vec![Texture { name: "even".into(), width: 8, height: 4, filter: Filter::Nearest, texels }];
-    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };
-}
-
 /// The sky's chance counts on both sides, by search and by chance: here it is about two thirds.
 #[test]
 fn a_sky_beside_a_lamp_gives_what_both_closed_forms_say() {
     let (mut scene, lamp) = under_a_lamp(Vec3::ZERO, 1.0, Shape::Sphere);
     let corners = [vec3(-0.3, 0.0, -0.3), vec3(0.0, 0.0, 0.5), vec3(0.3, 0.0, -0.3)];
     scene.triangles[0] = triangle(corners, 0);
-    put_even_sky(&mut scene);
+    // A picture of even light all around.
+    scene.textures = vec![texture([8, 4], Filter::Nearest, Texels::Float32(vec![[1.0; 4]; 32]))];
+    scene.sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };
     let lights = Lights::new(&scene, LightChoice::On);
     let (_, chance) = lights.sky.as_ref().unwrap();
     assert!((0.4..0.8).contains(chance), "{chance}");
     // The lamp hides what it fills of the sky.
     let truth = 1.0 - 0.008 + lamp;
-    let methods = Methods { lights: LightChoice::On, ..Methods::default() };
-    let got = mean(&render(&scene, Settings { methods, ..Settings::of(&scene) }, 1024));
+    let got = mean(&render(&scene, with_lights(&scene, LightChoice::On), 1024));
     assert!((got / truth - 1.0).abs() < 0.01, "{got} of {truth}");
 }

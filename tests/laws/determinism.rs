@@ -7,9 +7,9 @@ use octray::render::RenderObserver;
 use octray::scene::builtin_names;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-fn colored(rng: &mut Rng, kind: MaterialKind) -> Material {
-    let color = vec3(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32) * 0.5 + 0.5;
-    Material { color, ..material(kind) }
+fn colored(rng: &mut Rng, kinds: impl IntoIterator<Item = MaterialKind>) -> Vec<Material> {
+    let mut color = || vec3(rng.unit() as f32, rng.unit() as f32, rng.unit() as f32) * 0.5 + 0.5;
+    kinds.into_iter().map(|kind| Material { color: color(), ..material(kind) }).collect()
 }
 
 /// Spheres and triangles in front of the camera, wearing the materials by turns.
@@ -40,11 +40,6 @@ fn furnished(rng: &mut Rng, materials: Vec<Material>, spheres: usize, triangles:
     scene
 }
 
-/// Every kind of everything, more of it than fits a register table.
-fn everything() -> Scene {
-    everything_of(12)
-}
-
 /// A lamp that paths look for, the first sphere, beside triangles that shine with a picture, which they do
 /// not look for.
 fn lamp_and_sign() -> Scene {
@@ -69,47 +64,32 @@ fn ball_in_a_dome() -> Scene {
     }
 }
 
-/// As [`everything`], and so much of it that it goes through the hierarchy.
-fn crowd() -> Scene {
-    everything_of(61)
-}
+/// So many triangles that they go through the hierarchy, and fewer.
+const CROWD: usize = 61;
+const FEW: usize = 12;
 
-fn everything_of(triangles: usize) -> Scene {
+/// Every kind of everything, more of it than fits a register table.
+fn everything(triangles: usize) -> Scene {
     let mut rng = Rng(51);
-    let kinds = [
-        Diffuse,
-        Metal { roughness: 0.0 },
-        Metal { roughness: 0.4 },
-        Glass { ior: 1.5 },
-        FuzzyMirror { roughness: 0.7 },
-        Diffuse,
-        Diffuse,
-        Emitter,
-        Glass { ior: 0.8 },
-        Metal { roughness: 1.0 },
-        Plastic { roughness: 0.0, ior: 1.5 },
-        Plastic { roughness: 0.5, ior: 1.7 },
-        MetalRough { roughness: 0.6, metallic: 0.4, ior: 1.5 },
-        MetalRough { roughness: 0.0, metallic: 0.0, ior: 1.5 },
-        ThinGlass { ior: 1.5 },
-    ];
-    let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
+    let kinds = [Diffuse, Diffuse, Diffuse, Emitter].into_iter().chain(KINDS);
+    let mut materials = colored(&mut rng, kinds);
     materials[0].texture = Some(0);
-    materials[4].texture = Some(1);
-    materials[5].texture = Some(1);
-    materials[6].emission = vec3(0.2, 0.1, 0.4);
-    materials[7].emission = vec3(3.0, 2.0, 1.0);
-    materials[7].texture = Some(0);
-    materials[2].roughness_map = Some(2);
-    materials[4].roughness_map = Some(1);
-    materials[8].normal_map = Some(2);
-    materials[9].normal_map = Some(1);
     materials[0].normal_map = Some(2);
-    materials[11].roughness_map = Some(0);
-    materials[12].roughness_map = Some(1);
-    materials[12].normal_map = Some(1);
+    materials[1].texture = Some(1);
+    materials[2].emission = vec3(0.2, 0.1, 0.4);
+    materials[3].emission = vec3(3.0, 2.0, 1.0);
+    materials[3].texture = Some(0);
+    // Metal, smooth and rough; glass; the fuzzy mirror; rough plastic; and what lies between.
+    materials[5].normal_map = Some(1);
+    materials[6].roughness_map = Some(2);
+    materials[8].normal_map = Some(2);
+    materials[10].texture = Some(1);
+    materials[10].roughness_map = Some(1);
+    materials[12].roughness_map = Some(0);
     materials[13].emission = vec3(0.3, 0.2, 0.1);
     materials[13].emission_map = Some(2);
+    materials[14].roughness_map = Some(1);
+    materials[14].normal_map = Some(1);
     let mut scene = furnished(&mut rng, materials, 20, triangles, true);
     // Every other triangle is smooth.
     scene.normals = (0..scene.triangles.len())
@@ -127,8 +107,7 @@ fn everything_of(triangles: usize) -> Scene {
 /// What the pipeline for matt and mirroring spheres draws.
 fn matt_and_mirror() -> Scene {
     let mut rng = Rng(52);
-    let kinds = [Diffuse, Metal { roughness: 0.0 }, Diffuse];
-    let materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
+    let materials = colored(&mut rng, [Diffuse, Metal { roughness: 0.0 }, Diffuse]);
     Scene {
         sky: Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) },
         ..furnished(&mut rng, materials, 7, 0, false)
@@ -139,8 +118,7 @@ fn matt_and_mirror() -> Scene {
 fn few_textured() -> Scene {
     let mut rng = Rng(53);
     let [fuzzy, metal] = [FuzzyMirror { roughness: 1.5 }, Metal { roughness: 0.0 }];
-    let kinds = [Diffuse, fuzzy, Emitter, metal];
-    let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
+    let mut materials = colored(&mut rng, [Diffuse, fuzzy, Emitter, metal]);
     materials[0].texture = Some(0);
     materials[2].emission = Vec3::splat(2.0);
     let textures = vec![noise(&mut rng, 6, 6, Filter::Nearest)];
@@ -150,8 +128,7 @@ fn few_textured() -> Scene {
 /// Triangles alone, without texture coordinates, under a sky that is read at the nearest texel.
 fn triangles_alone() -> Scene {
     let mut rng = Rng(54);
-    let kinds = [Diffuse, Glass { ior: 1.3 }];
-    let mut materials = kinds.map(|kind| colored(&mut rng, kind)).to_vec();
+    let mut materials = colored(&mut rng, [Diffuse, Glass { ior: 1.3 }]);
     materials[1].emission = vec3(0.0, 0.3, 0.0);
     let textures = vec![noise(&mut rng, 9, 5, Filter::Nearest)];
     let sky = Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.0 };
@@ -182,7 +159,14 @@ fn grazed_mirror() -> Scene {
 }
 
 fn scenes() -> [Scene; 6] {
-    [everything(), crowd(), matt_and_mirror(), few_textured(), triangles_alone(), lamp_and_sign()]
+    [
+        everything(FEW),
+        everything(CROWD),
+        matt_and_mirror(),
+        few_textured(),
+        triangles_alone(),
+        lamp_and_sign(),
+    ]
 }
 
 /// A picture's bits, and how many rays it took.
@@ -231,11 +215,11 @@ fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
 #[test]
 fn test_scenes_need_every_feature_together() {
     let needs = |scene: &Scene| Renderer::new(scene, Settings::of(scene)).needs();
-    let all = needs(&crowd()).with(Features::SKY_GRADIENT);
+    let all = needs(&everything(CROWD)).with(Features::SKY_GRADIENT);
     assert!(all.contains(Features::ALL), "{:?}", all.names());
     assert!(needs(&matt_and_mirror()).contains(Features::SKY_GRADIENT));
     assert!(!needs(&few_textured()).contains(Features::MANY_TRIANGLES));
-    assert!(!needs(&everything()).contains(Features::HIERARCHY));
+    assert!(!needs(&everything(FEW)).contains(Features::HIERARCHY));
 }
 
 #[test]
@@ -244,7 +228,7 @@ fn picture_is_the_same_for_all_lanes_threads_tiles_and_calls() {
         // Every width, tile and number of threads, not every combination.
         check_ways(&scene, |threads, tile, call| threads == 1 + (tile + call) % 3 && call == tile % 2);
     }
-    check_ways(&everything(), |threads, tile, call| call == (threads + tile) % 2);
+    check_ways(&everything(FEW), |threads, tile, call| call == (threads + tile) % 2);
 }
 
 #[test]
@@ -288,7 +272,7 @@ fn picture_is_the_same_for_all_lanes_with_every_number_of_spheres() {
 fn picture_is_the_same_however_many_tiles_are_traced_together() {
     // One thread traces five of these tiles together, six threads one. Paths of three tiles fill the queue if
     // they all go on.
-    for scene in [everything(), ball_in_a_dome(), lamp_and_sign(), matt_and_mirror(), crowd()] {
+    for scene in [everything(FEW), ball_in_a_dome(), lamp_and_sign(), matt_and_mirror(), everything(CROWD)] {
         for max_bounces in [1, 2, 6] {
             let alone = Settings { threads: 6, lanes: 8, ..base(&scene, [160, 140], max_bounces) };
             let together = |lanes| Settings { threads: 1, lanes, ..alone };
@@ -346,7 +330,7 @@ impl RenderObserver for StopAfter {
 
 #[test]
 fn picture_that_was_stopped_midway_is_of_whole_samples_and_goes_on_to_the_same() {
-    let scene = everything();
+    let scene = everything(FEW);
     // 156 tiles: one thread traces eight together, two four, three three.
     let base = Settings { tile_size: [3, 2], lanes: 8, ..base(&scene, [37, 23], 4) };
     let prints: Vec<Print> = (0..=5).map(|samples| Print::of(&scene, base, &[samples])).collect();
@@ -390,7 +374,7 @@ fn picture_is_the_same_from_the_pipeline_with_every_feature() {
 
 #[test]
 fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
-    for scene in [everything(), matt_and_mirror(), few_textured(), triangles_alone()] {
+    for scene in [everything(FEW), matt_and_mirror(), few_textured(), triangles_alone()] {
         for resolution in [[37, 23], [1, 1], [9, 1], [1, 9]] {
             for max_bounces in [0, 1, 4, 20] {
                 let base = base(&scene, resolution, max_bounces);
@@ -405,7 +389,7 @@ fn picture_is_the_same_at_odd_resolutions_and_every_number_of_bounces() {
 
 #[test]
 fn picture_is_the_same_for_all_lanes_with_every_choice_of_methods() {
-    let scene = everything();
+    let scene = everything(FEW);
     let of_triangle = |triangle| SphereChoice::ALL.map(|sphere| (sphere, triangle));
     for traversal in [TraversalChoice::Linear, TraversalChoice::Through(Traversal::Hybrid)] {
         for (sphere, triangle) in TriangleChoice::ALL.into_iter().flat_map(of_triangle) {
@@ -434,7 +418,7 @@ fn picture_is_the_same_through_every_traversal() {
 
 #[test]
 fn primary_hits_are_the_same_for_all_lanes_and_tiles() {
-    for scene in [everything(), triangles_alone()] {
+    for scene in [everything(FEW), triangles_alone()] {
         let hits = |lanes, tile_size| {
             let settings = Settings { lanes, tile_size, ..base(&scene, [37, 23], 0) };
             let mut hits = Renderer::new(&scene, settings).primary_hits(3);
@@ -451,7 +435,7 @@ fn primary_hits_are_the_same_for_all_lanes_and_tiles() {
 
 #[test]
 fn seed_samples_and_bounces_change_the_picture() {
-    let scene = everything();
+    let scene = everything(FEW);
     let base = base(&scene, [37, 23], 4);
     let one = Print::of(&scene, base, &[8]);
     // At the fifth segment most paths have ended.

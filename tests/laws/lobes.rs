@@ -10,8 +10,9 @@ use crate::common::*;
 use octray::kernel::bsdf::albedo::{Albedo, compensated};
 use octray::kernel::bsdf::metal_rough::MetalRough;
 use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
-use octray::kernel::bsdf::{BsdfEval, BsdfSample, Horizon, LobeEval, LobeNormals};
-use octray::kernel::bsdf::{diffuse, fuzzy_mirror, ggx};
+use octray::kernel::bsdf::{
+    BsdfEval, BsdfSample, Horizon, LobeEval, LobeNormals, diffuse, fuzzy_mirror, ggx,
+};
 use std::f64::consts::{PI, TAU};
 
 #[derive(Clone, Copy, Debug)]

@@ -92,9 +92,8 @@ fn reflection_lengthens_by_no_more_than_its_bound() {
 /// half a thousandth of a bright sky is as bright as 1.
 #[test]
 fn paths_that_carry_little_add_what_they_carry() {
-    let lights = Methods { lights: LightChoice::Off, ..Methods::default() };
     let mean_of = |scene: &Scene, max_bounces| {
-        let settings = Settings { max_bounces, methods: lights, ..Settings::of(scene) };
+        let settings = Settings { max_bounces, ..with_lights(scene, LightChoice::Off) };
         let picture = render(scene, settings, 1);
         f64::from(picture.pixels[picture.pixels.len() / 2 + 12][0])
     };

@@ -58,31 +58,18 @@ fn point(rng: &mut Rng, scene: &Scene, number: usize) -> DVec3 {
     }
 }
 
-/// Whether a primitive lies between two points, neither of which is on it.
-fn separates(scene: &Scene, number: usize, from: DVec3, to: DVec3) -> bool {
-    let d = to - from;
-    let between = |t: f64| (1e-6..1.0 - 1e-6).contains(&t);
-    if let Some(ball) = scene.spheres.get(number) {
-        let (o, r) = (from - ball.center.as_dvec3(), f64::from(ball.radius));
-        if [o, o + d].iter().any(|end| (end.length() - r).abs() < 1e-5) {
-            return false;
+/// Whether the only primitive of a scene lies between two points, neither of which is on it.
+fn separates(alone: &Scene, from: DVec3, to: DVec3) -> bool {
+    let off = |end: DVec3| match alone.spheres.first() {
+        Some(ball) => (end - ball.center.as_dvec3()).length() - f64::from(ball.radius),
+        None => {
+            let [a, b, c] = alone.triangles[0].vertices.map(|v| v.as_dvec3());
+            (b - a).cross(c - a).normalize().dot(end - a)
         }
-        let (a, b, c) = (d.dot(d), o.dot(d), o.dot(o) - r * r);
-        let root = (b * b - a * c).sqrt();
-        return between((-b - root) / a) || between((-b + root) / a);
-    }
-    let [a, b, c] = scene.triangles[number - scene.spheres.len()].vertices.map(|v| v.as_dvec3());
-    let (e1, e2) = (b - a, c - a);
-    let normal = e1.cross(e2).normalize();
-    let [near, far] = [from, to].map(|end| normal.dot(end - a));
-    if near.abs().min(far.abs()) < 1e-5 || near.signum() == far.signum() {
-        return false;
-    }
-    let p = d.cross(e2);
-    let (det, s) = (e1.dot(p), from - a);
-    let (u, q) = (s.dot(p) / det, s.cross(e1));
-    let (v, t) = (d.dot(q) / det, e2.dot(q) / det);
-    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && between(t)
+    };
+    let hit = || Reference::new(alone).closest(from, to - from);
+    let is_apart = [from, to].into_iter().all(|end| off(end).abs() >= 1e-5);
+    is_apart && hit().is_some_and(|hit| (1e-6..1.0 - 1e-6).contains(&hit.t))
 }
 
 #[test]
@@ -99,6 +86,9 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
             .chain(list.of_kind(Kind::Triangle).iter().map(|&index| spheres + index as usize))
             .collect();
         (rooms, left_out) = (rooms + 1, left_out + count - listed.len());
+        let spheres_alone = scene.spheres.iter().map(|&ball| Scene { spheres: vec![ball], ..dark() });
+        let one = |&one: &Triangle| Scene { triangles: vec![one], ..dark() };
+        let alone: Vec<Scene> = spheres_alone.chain(scene.triangles.iter().map(one)).collect();
         let sampled: Vec<usize> = (0..count).filter(|&number| lights.probabilities[number] > 0.0).collect();
         for _ in 0..2000 {
             let (surface, light) = (rng.index(count), sampled[rng.index(sampled.len())]);
@@ -110,8 +100,8 @@ fn what_shadow_rays_leave_out_occludes_no_light() {
             {
                 continue;
             }
-            for number in 0..count {
-                let separates = separates(&scene, number, from, to);
+            for (number, alone) in alone.iter().enumerate() {
+                let separates = separates(alone, from, to);
                 occluded += usize::from(separates);
                 let ends = [(surface, from), (light, to)];
                 assert!(!separates || listed.contains(&number), "seed {seed}: {number} between {ends:?}");

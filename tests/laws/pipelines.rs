@@ -83,8 +83,7 @@ fn every_feature_alone_gives_the_bits_of_all_features_together() {
         {
             let mut scene = plain(kind);
             add(&mut scene);
-            let methods = Methods { lights, ..Methods::default() };
-            let needed = Settings { methods, resolution: [24, 16], max_bounces: 3, ..Settings::of(&scene) };
+            let needed = Settings { resolution: [24, 16], max_bounces: 3, ..with_lights(&scene, lights) };
             let general = Settings { pipeline: PipelineChoice::General, ..needed };
             let [needed, general] = [needed, general].map(|settings| render(&scene, settings, 2));
             assert!(needed == general, "{kind:?}, {extra}, {lights:?}");

@@ -101,12 +101,6 @@ fn thing(rng: &mut Rng) -> Vec<[DVec3; 3]> {
     }
 }
 
-/// As the formats check it.
-fn has_area(vertices: [Vec3; 3]) -> bool {
-    let [a, b, c] = vertices.map(Vec3::as_dvec3);
-    ((b - a).cross(c - a).length() as f32).is_normal()
-}
-
 fn add_triangles(rng: &mut Rng, scene: &mut Scene, center: DVec3, size: f64) {
     let materials = scene.materials.len();
     let smooth = once_in(rng, 3);
@@ -123,7 +117,10 @@ fn add_triangles(rng: &mut Rng, scene: &mut Scene, center: DVec3, size: f64) {
         let material = rng.index(materials) as u32;
         for corners in &shape {
             let vertices = corners.map(|corner| (place + corner * scale).as_vec3());
-            if !has_area(vertices) {
+            let [a, b, c] = vertices.map(Vec3::as_dvec3);
+            let flat = (b - a).cross(c - a);
+            // As the formats check it.
+            if !(flat.length() as f32).is_normal() {
                 continue;
             }
             scene.triangles.push(triangle(vertices, material));
@@ -132,7 +129,6 @@ fn add_triangles(rng: &mut Rng, scene: &mut Scene, center: DVec3, size: f64) {
             let same = uv(rng);
             let uvs = [(); 3].map(|()| uv(rng));
             scene.uvs.push(if once_in(rng, 8) { [same; 3] } else { uvs });
-            let flat = (vertices[1] - vertices[0]).as_dvec3().cross((vertices[2] - vertices[0]).as_dvec3());
             let bent = 2.0 * rng.unit();
             let normals =
                 [(); 3].map(|()| (flat.normalize() + rng.direction() * bent).normalize_or(DVec3::X));

@@ -12,7 +12,7 @@ fn settings(scene: &Scene) -> Settings {
 }
 
 /// Renders to a target, at most `chunk` samples of a tile at a time.
-fn render(scene: &Scene, settings: Settings, target: Target, chunk: u32) -> Film {
+fn film_to(scene: &Scene, settings: Settings, target: Target, chunk: u32) -> Film {
     let renderer = Renderer::new(scene, settings);
     let mut film = renderer.film_with_noise();
     while let Some(round) = target.next(&film) {
@@ -24,10 +24,6 @@ fn render(scene: &Scene, settings: Settings, target: Target, chunk: u32) -> Film
     film
 }
 
-fn plain(scene: &Scene, settings: Settings, samples: u32) -> Picture {
-    crate::common::render(scene, settings, samples)
-}
-
 fn bright(pixel: &[f32; 3]) -> f64 {
     luminance(pixel.map(f64::from))
 }
@@ -37,26 +33,26 @@ const TARGET: Target = Target { error: 0.1, least: 16, most: 4096 };
 #[test]
 fn decisions_and_bits_are_the_same_for_all_lanes_threads_and_chunks() {
     let scene = load("builtin:chess").unwrap();
-    let expected = render(&scene, settings(&scene), TARGET, u32::MAX);
+    let expected = film_to(&scene, settings(&scene), TARGET, u32::MAX);
     assert!(expected.samples() == 16 && expected.most_samples() >= 64, "some parts stop early");
     for (lanes, threads, chunk) in [(1, 1, u32::MAX), (1, 2, 7), (8, 2, u32::MAX), (8, 3, 1), (8, 1, 5)] {
-        let film = render(&scene, Settings { lanes, threads, ..settings(&scene) }, TARGET, chunk);
+        let film = film_to(&scene, Settings { lanes, threads, ..settings(&scene) }, TARGET, chunk);
         assert_eq!(film.counts(), expected.counts(), "{lanes} lanes, {threads} threads, chunks of {chunk}");
         assert!(film.picture() == expected.picture() && film.rays() == expected.rays());
     }
-    let other = render(&scene, Settings { seed: 5, ..settings(&scene) }, TARGET, u32::MAX);
+    let other = film_to(&scene, Settings { seed: 5, ..settings(&scene) }, TARGET, u32::MAX);
     assert!(other.picture() != expected.picture());
 }
 
 #[test]
 fn each_pixel_is_that_of_a_plain_rendering_with_its_number_of_samples() {
     let scene = load("builtin:chess").unwrap();
-    let film = render(&scene, settings(&scene), TARGET, u32::MAX);
+    let film = film_to(&scene, settings(&scene), TARGET, u32::MAX);
     let (pixels, counts) = (film.picture().pixels, film.counts().pixels);
     let mut seen = 0;
     let mut samples = TARGET.least;
     while samples <= TARGET.most && seen < pixels.len() {
-        let plain = plain(&scene, settings(&scene), samples).pixels;
+        let plain = render(&scene, settings(&scene), samples).pixels;
         let own = (0..pixels.len()).filter(|&at| counts[at] == [samples as f32; 3]);
         seen += own.inspect(|&at| assert_eq!(pixels[at], plain[at], "pixel {at}, {samples} samples")).count();
         samples *= 2;
@@ -69,9 +65,9 @@ fn picture_is_a_plain_one_where_nothing_may_stop_early() {
     let scene = load("builtin:spheres").unwrap();
     for samples in [1, 16, 40] {
         let target = Target { error: 1e-4, least: 16, most: samples };
-        let film = render(&scene, settings(&scene), target, u32::MAX);
+        let film = film_to(&scene, settings(&scene), target, u32::MAX);
         assert_eq!((film.samples(), film.most_samples()), (samples, samples));
-        assert_eq!(film.picture(), plain(&scene, settings(&scene), samples));
+        assert_eq!(film.picture(), render(&scene, settings(&scene), samples));
         let reached = ErrorEstimate::of(&film);
         assert!(!target.met(&reached) && reached.rms.is_infinite() == (samples < 4), "{reached:?}");
     }
@@ -120,10 +116,10 @@ fn check_promised_errors(samples_of_truth: u32) {
     for (name, factor) in [("chess", 1.25), ("spheres", 1.4)] {
         let scene = load(&format!("builtin:{name}")).unwrap();
         let settings = Settings { threads: 2, ..settings(&scene) };
-        let truth = plain(&scene, Settings { seed: 77, ..settings }, samples_of_truth);
+        let truth = render(&scene, Settings { seed: 77, ..settings }, samples_of_truth);
         for error in [0.2, 0.07] {
             let target = Target { error, least: 16, most: 1 << 14 };
-            let film = render(&scene, settings, target, u32::MAX);
+            let film = film_to(&scene, settings, target, u32::MAX);
             let reached = ErrorEstimate::of(&film);
             assert!(target.met(&reached), "{name}: {reached:?}");
             let errors = true_errors(&film, &truth);
@@ -147,7 +143,7 @@ fn black_blocks_end_but_look_for_light_first() {
     for (most, samples) in [(1 << 14, BLACK_SAMPLES), (64, 64)] {
         let target = Target { error: 0.5, least: 16, most };
         let settings = Settings { resolution: [40, 24], ..Settings::of(&black) };
-        let film = render(&black, settings, target, u32::MAX);
+        let film = film_to(&black, settings, target, u32::MAX);
         assert_eq!((film.samples(), film.most_samples()), (samples, samples));
         assert_eq!(ErrorEstimate::of(&film), ErrorEstimate { rms: 0.0, largest: 0.0 });
     }
@@ -162,7 +158,7 @@ fn speck() -> Scene {
 fn neighbours_of_noisy_blocks_get_at_least_their_share() {
     let scene = speck();
     let settings = Settings { resolution: [144, 144], ..Settings::of(&scene) };
-    let film = render(&scene, settings, Target { error: 0.02, least: 16, most: 1 << 12 }, u32::MAX);
+    let film = film_to(&scene, settings, Target { error: 0.02, least: 16, most: 1 << 12 }, u32::MAX);
     let counts: Vec<u32> = film.counts().pixels.iter().map(|count| count[0] as u32).collect();
     let block = |x: usize, y: usize| counts[16 * y * 144 + 16 * x];
     assert_eq!((block(0, 0), block(4, 4)), (16, 1 << 12), "an easy corner, a hard middle");
@@ -194,8 +190,8 @@ fn check_darkening(name: &str, error: f64, seeds: u32) {
     let mean = |picture: &Picture| picture.pixels.iter().map(bright).sum::<f64>() / 5184.0;
     let of_seed = |seed| {
         let settings = Settings { seed, threads: 2, ..settings(&scene) };
-        let film = render(&scene, settings, Target { error, least: 16, most: 4096 }, u32::MAX);
-        let unbiased = mean(&plain(&scene, settings, 256));
+        let film = film_to(&scene, settings, Target { error, least: 16, most: 4096 }, u32::MAX);
+        let unbiased = mean(&render(&scene, settings, 256));
         mean(&film.picture()) / unbiased - 1.0
     };
     let (bias, spread) = mean_and_error(&(0..seeds).map(of_seed).collect::<Vec<_>>());

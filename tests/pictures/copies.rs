@@ -30,11 +30,6 @@ fn load(path: &Path, change: impl Fn(&mut Value)) -> Scene {
     Scene { resolution: [48, 28], ..scene }
 }
 
-fn render_with(scene: &Scene, lights: LightChoice, samples: u32) -> Picture {
-    let methods = Methods { lights, sampler: Sampler::Random, ..Methods::default() };
-    render(scene, Settings { methods, ..Settings::of(scene) }, samples)
-}
-
 /// Scales and moves all that a scene file says of places and lengths, after rounding it so that no sum
 /// rounds.
 fn place(json: &mut Value, key: &str, scale: f64, offset: [f64; 3]) {
@@ -68,7 +63,7 @@ fn moved_and_scaled_scenes_have_the_bits_of_the_film() {
                 json.as_object_mut().unwrap().remove("origin");
                 place(json, "", scale, offset);
             });
-            bits(&render_with(&scene, LightChoice::Auto, 2))
+            bits(&render_by_random(&scene, LightChoice::Auto, 2))
         };
         let own = film(1.0, [0.0; 3]);
         // Textures of triangles without coordinates stay where they are in the file: they repeat.
@@ -107,7 +102,8 @@ fn mirrored_scenes_have_the_mirrored_film() {
         files().into_iter().map(|path| (path.clone(), load(&path, |_| {}))).collect();
     let (blocks, mut tested) = ([6, 4], 0);
     for (path, scene) in scenes.iter().filter(|(_, scene)| !matches!(scene.sky, Sky::Texture { .. })) {
-        let [own, other] = [scene, &mirrored(scene)].map(|scene| render_with(scene, LightChoice::Auto, 256));
+        let [own, other] =
+            [scene, &mirrored(scene)].map(|scene| render_by_random(scene, LightChoice::Auto, 256));
         let [width, height] = [own.width, own.height];
         for block in places(blocks) {
             let is_inside = |(x, y): &(u32, u32)| (x * blocks[0] / width, y * blocks[1] / height) == block;
@@ -141,7 +137,7 @@ fn white_scenes_vanish_in_a_white_furnace() {
             }
         }
         let scene = Scene { sky: Sky::Color(Vec3::ONE), max_bounces: 1000, ..scene };
-        let shown = mean(&render_with(&scene, LightChoice::Off, 16));
+        let shown = mean(&render_by_random(&scene, LightChoice::Off, 16));
         // A rough coat of plastic keeps what bounces between its facets.
         let is_coated = scene.materials.iter().any(|material| matches!(material.kind, Plastic { .. }));
         let least = if is_coated { 0.93 } else { 0.98 };

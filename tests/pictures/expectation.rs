@@ -20,13 +20,7 @@ const KINDS: [MaterialKind; 9] = [
 
 /// What is lit: a ball, as a sphere or as triangles with smooth normals.
 fn balls(kind: MaterialKind) -> [Scene; 4] {
-    let smooth = smooth_ball(kind);
-    let round = Scene {
-        triangles: Vec::new(),
-        normals: Vec::new(),
-        spheres: vec![sphere(Vec3::ZERO, 1.0, 0)],
-        ..smooth.clone()
-    };
+    let [round, smooth] = [round_ball(kind), smooth_ball(kind)];
     let mapped = |scene: &Scene| {
         let mut scene = scene.clone();
         let mut rng = Rng(71);
@@ -96,17 +90,11 @@ fn runs(scene: &Scene, methods: Methods, samples: u32, first_seed: u32) -> Vec<(
     let of_runs: Vec<Vec<f64>> = (0..RUNS)
         .map(|run| {
             let settings = Settings { methods, seed: first_seed + run, ..Settings::of(scene) };
-            means(&crate::common::render(scene, settings, samples))
+            means(&render(scene, settings, samples))
         })
         .collect();
     let of = |of: usize| mean_and_error(&of_runs.iter().map(|run| run[of]).collect::<Vec<_>>());
     (0..of_runs[0].len()).map(of).collect()
-}
-
-/// Welch's t of each of [`means`], and the relative standard error of the whole.
-fn welch(a: &[(f64, f64)], b: &[(f64, f64)]) -> (Vec<f64>, f64) {
-    let of = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0) / a.1.hypot(b.1);
-    (a.iter().zip(b).map(of).collect(), a[0].1.hypot(b[0].1) / a[0].0)
 }
 
 /// How much is rendered: samples with the search (eight times as many without), and the noise that is too
@@ -153,7 +141,10 @@ fn check(kinds: &[MaterialKind], effort: Effort) {
             let by_chance = runs(&scene, with(LightChoice::Off, Sampler::Sobol), 8 * samples, 1001);
             let independent = runs(&scene, with(LightChoice::On, Sampler::Random), samples, 2001);
             for (other, what) in [(by_chance, "by chance"), (independent, "independent numbers")] {
-                let (t, error) = welch(&sought, &other);
+                // Welch's t of each mean, and the relative standard error of the whole.
+                let pairs = sought.iter().zip(&other);
+                let t: Vec<f64> = pairs.map(|(a, b)| (a.0 - b.0) / a.1.hypot(b.1)).collect();
+                let error = sought[0].1.hypot(other[0].1) / sought[0].0;
                 println!("{kind:?}, {shape}, {what}: t {:.2}, error {:.2} %", t[0], 100.0 * error);
                 let told = format!("{kind:?}, {shape}, {what}");
                 assert!(error < most_noise, "{told}: noise that hides everything, {error}");

@@ -28,9 +28,6 @@ fn noisy(x: i32, y: i32, channel: usize) -> i32 {
 fn board(x: i32, y: i32, _: usize) -> i32 {
     if (x / 8 + y / 8) % 2 == 0 { 230 } else { 25 }
 }
-fn moved_board(x: i32, y: i32, channel: usize) -> i32 {
-    board(x + 1, y, channel)
-}
 fn disc(x: i32, y: i32, color: i32) -> i32 {
     if (x - 24).pow(2) + (y - 20).pow(2) < 100 { color } else { 120 }
 }
@@ -42,9 +39,6 @@ fn blue_disc(x: i32, y: i32, channel: usize) -> i32 {
 }
 fn night(x: i32, _: i32, channel: usize) -> i32 {
     4 + x / 4 + channel as i32
-}
-fn sparks(x: i32, y: i32, channel: usize) -> i32 {
-    if mix(x, y, 7).is_multiple_of(97) { 255 } else { night(x, y, channel) }
 }
 
 /// The picture that the program shows with these stored values.
@@ -60,11 +54,19 @@ type Case = (&'static str, [u32; 2], Rule, Rule, f64, f64);
 
 #[test]
 fn flip_is_that_of_its_authors_program() {
+    let sparks = |x, y, c| if mix(x, y, 7).is_multiple_of(97) { 255 } else { night(x, y, c) };
     let cases: [Case; 11] = [
         ("noise on slopes", [64, 48], slopes, noisy, 67.0, 0.073_251_5),
         ("the same from nearby", [64, 48], slopes, noisy, 30.0, 0.145_323_2),
         ("the same from afar", [64, 48], slopes, noisy, 140.0, 0.046_369_8),
-        ("a chessboard, a pixel to the left", [64, 48], board, moved_board, 67.0, 0.290_982_9),
+        (
+            "a chessboard, a pixel to the left",
+            [64, 48],
+            board,
+            |x, y, c| board(x + 1, y, c),
+            67.0,
+            0.290_982_9,
+        ),
         ("another colour", [48, 40], yellow_disc, blue_disc, 67.0, 0.267_660_2),
         ("the same from nearby", [48, 40], yellow_disc, blue_disc, 20.0, 0.185_585_0),
         ("fireflies at night", [37, 53], night, sparks, 67.0, 0.102_066_7),

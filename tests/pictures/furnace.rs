@@ -21,8 +21,7 @@ fn room(kind: MaterialKind) -> Scene {
 
 /// Lit by chance alone, by paths of any length.
 fn render(scene: &Scene, max_bounces: u32, samples: u32, lanes: usize) -> Picture {
-    let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
-    let settings = Settings { max_bounces, lanes, seed: 9, methods, ..Settings::of(scene) };
+    let settings = Settings { max_bounces, lanes, seed: 9, ..with_lights(scene, LightChoice::Off) };
     crate::common::render(scene, settings, samples)
 }
 

@@ -17,9 +17,13 @@ struct Window {
 }
 
 impl Window {
+    /// Looks from the scene's own camera.
     fn new(scene: Scene) -> Self {
         let renderer = Renderer::new(&scene, Settings { resolution: SIZE, ..Settings::of(&scene) });
-        Self { scene, renderer, guides: Aovs::default(), seed: 0 }
+        let (camera, guides) = (scene.camera, Aovs::default());
+        let mut window = Self { scene, renderer, guides, seed: 0 };
+        window.look(camera);
+        window
     }
     fn look(&mut self, camera: Camera) {
         self.renderer.set_view(&camera, SIZE, 4);
@@ -82,9 +86,7 @@ fn project_inverts_rays() {
 
 #[test]
 fn history_of_a_camera_that_stands_is_the_mean_of_its_frames() {
-    let mut window = Window::new(scene());
-    window.look(window.scene.camera);
-    let mut history = History::default();
+    let (mut window, mut history) = (Window::new(scene()), History::default());
     let mut sum = vec![0.0f64; flat(0.0).pixels.as_flattened().len()];
     for number in 1..=10 {
         let fresh = window.frame(2);
@@ -150,17 +152,13 @@ fn history_follows_points_and_not_pixels() {
 
 #[test]
 fn history_ends_at_other_objects_normals_and_planes() {
-    let mut window = Window::new(scene());
-    let camera = window.scene.camera;
-    window.look(camera);
-    let mut history = History::default();
+    let (window, mut history) = (Window::new(scene()), History::default());
     window.advance(&mut history, &flat(1.0), 8);
     // The ball is a step nearer and larger: its silhouette, its distances, its normals are others; the wall's
     // are not.
-    window.scene.spheres[0] = sphere(vec3(0.4, 0.0, 0.7), 1.1, 0);
-    let scene = window.scene.clone();
-    window = Window::new(scene);
-    window.look(camera);
+    let mut nearer = scene();
+    nearer.spheres[0] = sphere(vec3(0.4, 0.0, 0.7), 1.1, 0);
+    let window = Window::new(nearer);
     let shown = window.advance(&mut history, &flat(0.0), 1);
     let mut kept = [0; 2];
     for (at, pixel) in shown.pixels.iter().enumerate() {
@@ -186,9 +184,7 @@ fn history_ends_at_other_objects_normals_and_planes() {
         let mut history = History::default();
         let turned = vec3(turn.sin(), 0.0, turn.cos());
         for (normal, material, value) in [(Vec3::Z, 0, 1.0), (turned, material, 0.0)] {
-            let mut window = Window::new(wall(normal, material));
-            window.look(window.scene.camera);
-            window.advance(&mut history, &flat(value), 1);
+            Window::new(wall(normal, material)).advance(&mut history, &flat(value), 1);
         }
         history.counts().iter().filter(|&&count| count > 1.0).count()
     });
@@ -236,9 +232,7 @@ fn history_forgets_sooner_on_mirrors() {
         let mut scene = scene();
         scene.materials.push(material(Metal { roughness }));
         scene.spheres[0].material = 1;
-        let mut window = Window::new(scene);
-        window.look(window.scene.camera);
-        let mut history = History::default();
+        let (window, mut history) = (Window::new(scene), History::default());
         for _ in 0..100 {
             window.advance(&mut history, &flat(1.0), 1);
         }
@@ -254,9 +248,7 @@ fn history_forgets_sooner_on_mirrors() {
 
 #[test]
 fn a_camera_that_stands_ends_at_the_mean_of_its_film() {
-    let mut window = Window::new(scene());
-    window.look(window.scene.camera);
-    let mut history = History::default();
+    let (mut window, mut history) = (Window::new(scene()), History::default());
     for _ in 0..8 {
         window.advance(&mut history, &flat(1.0), 1);
     }

@@ -27,8 +27,7 @@ fn balls(kind: MaterialKind) -> Scene {
 #[track_caller]
 pub fn assert_is_the_references(name: &str, scene: &Scene, samples: u32) {
     // The reference samples no lights.
-    let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
-    let settings = Settings { resolution: [48, 32], seed: 3, methods, ..Settings::of(scene) };
+    let settings = Settings { resolution: [48, 32], seed: 3, ..with_lights(scene, LightChoice::Off) };
     let (picture, reference) = (render(scene, settings, samples), Reference::new(scene));
     let (mut differences, mut means, mut off) = (Vec::new(), Vec::new(), 0);
     for (pixel, (x, y)) in picture.pixels.iter().zip(places(settings.resolution)) {
@@ -58,21 +57,14 @@ fn picture_is_the_references_for_every_kind_of_material_on_spheres_and_smooth_tr
 fn relief(rng: &mut Rng) -> Texture {
     let mut near = |middle: f64, width: f64| (middle + width * rng.signed()) as f32;
     let texels = (0..24).map(|_| [near(0.5, 0.25), near(0.5, 0.25), near(0.95, 0.05), 0.0]).collect();
-    Texture {
-        name: "relief".into(),
-        width: 6,
-        height: 4,
-        filter: Filter::Bilinear,
-        texels: Texels::Float32(texels),
-    }
+    texture([6, 4], Filter::Bilinear, Texels::Float32(texels))
 }
 
 #[test]
 fn picture_is_the_references_with_maps_of_normals_and_roughness() {
     let mut rng = Rng(81);
     let bytes = (0..35).map(|_| [(rng.bits() >> 24) as u8, 7, 200, 0]).collect();
-    let grain = Texture { width: 7, height: 5, texels: Texels::Unorm8(bytes), ..relief(&mut rng) };
-    let textures = vec![relief(&mut rng), grain];
+    let textures = vec![relief(&mut rng), texture([7, 5], Filter::Bilinear, Texels::Unorm8(bytes))];
     for kind in KINDS {
         let worn = |scene: Scene| {
             let mut scene = Scene { textures: textures.clone(), ..scene };

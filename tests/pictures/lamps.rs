@@ -62,8 +62,7 @@ fn lamps(rng: &mut Rng) -> Scene {
 
 /// The mean of a picture's red channel, and its standard error.
 fn mean_of(scene: &Scene, lights: LightChoice, samples: u32) -> (f64, f64) {
-    let methods = Methods { lights, sampler: Sampler::Random, ..Methods::default() };
-    let picture = render(scene, Settings { methods, ..Settings::of(scene) }, samples);
+    let picture = render_by_random(scene, lights, samples);
     mean_and_error(&picture.pixels.iter().map(|pixel| f64::from(pixel[0])).collect::<Vec<_>>())
 }
 

@@ -7,7 +7,7 @@ use crate::common::*;
 fn board(filter: Filter) -> Texture {
     let field = |index: u32| if (index % 32 / 4 + index / 32 / 4).is_multiple_of(2) { 255 } else { 0 };
     let texels = (0..32 * 32).map(|index| [field(index), field(index), field(index), 0]).collect();
-    Texture { name: "board".into(), width: 32, height: 32, filter, texels: Texels::Srgb8(texels) }
+    texture([32, 32], filter, Texels::Srgb8(texels))
 }
 
 /// A plane of fields of one unit up to the horizon, seen from `height`, that emits what its texture shows.
@@ -22,12 +22,6 @@ fn plain(filter: Filter, height: f32) -> Scene {
         uvs: vec![corners.map(|corner| vec2(corner.x, -corner.z) / 8.0)],
         ..empty()
     }
-}
-
-fn rmse(picture: &Picture, truth: &Picture) -> f64 {
-    let square = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)).powi(2);
-    let squares = picture.pixels.iter().flatten().zip(truth.pixels.iter().flatten()).map(square);
-    (squares.sum::<f64>() / (3 * picture.pixels.len()) as f64).sqrt()
 }
 
 fn settings(scene: &Scene, seed: u32) -> Settings {
@@ -85,8 +79,7 @@ fn picture_is_the_references_with_levels_of_detail() {
     for kind in KINDS {
         let mut rng = Rng(17);
         let bytes = (0..60 * 45).map(|_| [(rng.bits() >> 24) as u8, 90, 210, 0]).collect();
-        let grain =
-            Texture { width: 60, height: 45, texels: Texels::Unorm8(bytes), ..board(Filter::Trilinear) };
+        let grain = texture([60, 45], Filter::Trilinear, Texels::Unorm8(bytes));
         let mut scene = plain(Filter::Trilinear, 2.0);
         scene.materials = vec![
             Material { texture: Some(0), ..material(Diffuse) },

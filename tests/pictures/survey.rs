@@ -187,8 +187,8 @@ fn shapes_of_paths_add_up_to_the_rays_of_the_sample() {
     for lanes in WIDTHS {
         for name in ["builtin:three", "builtin:spheres", "builtin:knot:3000"] {
             let scene = load(name).unwrap();
-            let methods = Methods { lights: LightChoice::Off, ..Methods::default() };
-            let settings = Settings { methods, lanes, threads: 2, ..settings(&scene) };
+            let by_chance = with_lights(&scene, LightChoice::Off);
+            let settings = Settings { resolution: SIZE, lanes, threads: 2, ..by_chance };
             let renderer = Renderer::new(&scene, settings);
             let mut shapes = Map::default();
             renderer.path_shapes_into(0, &mut shapes);

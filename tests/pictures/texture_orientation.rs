@@ -10,8 +10,7 @@ const COLUMNS: u32 = 64;
 
 fn columns() -> Texture {
     let texel = |i: u32| [(i % COLUMNS) as f32, 1.0, 1.0, 0.0];
-    let texels = Texels::Float32((0..2 * COLUMNS).map(texel).collect());
-    Texture { name: "columns".into(), width: COLUMNS, height: 2, filter: Filter::Nearest, texels }
+    texture([COLUMNS, 2], Filter::Nearest, Texels::Float32((0..2 * COLUMNS).map(texel).collect()))
 }
 
 /// A shining ball of radius 1 with the picture on it.

@@ -2,7 +2,7 @@
 
 use crate::desk::{Desk, SCENE, number};
 use crate::interrupt::{Running, assert_samples, put_heavy_picture};
-use crate::program::{PROGRAM, away_from_home, octray, send_signal};
+use crate::program::{PROGRAM, away_from_home, send_signal};
 use crate::waiting::wait_for;
 use serde_json::Value;
 use std::fs;
@@ -17,8 +17,7 @@ const ADAPTIVE: &str = "builtin:chess --size 64x36 --target-error 0.05";
 const SHARD: &str = "builtin:cornell --size 64x48 --samples 160 --shard 2/2";
 
 fn spawn(desk: &Desk, arguments: &str) -> Child {
-    let mut command = octray();
-    command.arg("render").args(arguments.split(' ')).current_dir(desk.path(""));
+    let mut command = desk.command(&format!("render {arguments}"));
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
 }
 

@@ -10,7 +10,7 @@ fn convert_writes_a_scene_and_keeps_what_is_there() {
     let written = desk.text("new.json");
     serde_json::from_str::<serde_json::Value>(&written).unwrap();
 
-    desk.refuses("convert model.obj scene.json", &["--force"]);
+    desk.refuses("convert model.obj scene.json", &["scene.json", "exists", "--force"]);
     assert_eq!(desk.text("scene.json"), SCENE);
     desk.run("convert model.obj scene.json --force");
     assert_eq!(desk.text("scene.json"), written);
@@ -49,17 +49,8 @@ fn converted_models_render_the_same_wherever_the_scene_file_stands() {
 #[test]
 fn models_of_every_format_are_read_by_every_command() {
     let desk = Desk::new();
-    let bytes: Vec<u8> =
-        [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
-    fs::write(desk.path("t.bin"), bytes).unwrap();
-    desk.write(
-        "t.gltf",
-        r#"{ "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
-        "materials": [{ "emissiveFactor": [0.5, 0.25, 1], "pbrMetallicRoughness": { "metallicFactor": 0.5 } }],
-        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
-        "bufferViews": [{ "buffer": 0, "byteLength": 36 }], "buffers": [{ "uri": "t.bin", "byteLength": 36 }] }"#,
-    );
+    let shining = r#""emissiveFactor": [0.5, 0.25, 1], "pbrMetallicRoughness": { "metallicFactor": 0.5 }"#;
+    desk.write_gltf_triangle("t.gltf", "t.bin", &format!(r#""materials": [{{ {shining} }}]"#));
     desk.write(
         "t.ply",
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\

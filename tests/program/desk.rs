@@ -25,6 +25,15 @@ pub fn assert_fits(table: &str) {
     }
 }
 
+/// Asserts that a report has at least these values, also within its objects.
+#[track_caller]
+pub fn assert_has(report: &Value, expected: &Value) {
+    match expected {
+        Value::Object(values) => values.iter().for_each(|(key, value)| assert_has(&report[key], value)),
+        _ => assert_eq!(report, expected),
+    }
+}
+
 pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
@@ -53,16 +62,16 @@ impl Desk {
         desk
     }
 
-    /// Returns the program with the words of a line as its arguments.
-    pub fn octray(&self, line: &str) -> Command {
-        self.octray_with(&line.split_whitespace().collect::<Vec<_>>())
+    /// Returns the program with the words of a line as its arguments, to be started.
+    pub fn command(&self, line: &str) -> std::process::Command {
+        let mut command = octray();
+        command.args(line.split_whitespace()).current_dir(self.path(""));
+        command
     }
 
-    /// Returns the program with arguments that may be empty or hold spaces.
-    fn octray_with(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::from_std(octray());
-        command.args(arguments).current_dir(self.path(""));
-        command
+    /// Returns the same, to be run to its end.
+    pub fn octray(&self, line: &str) -> Command {
+        Command::from_std(self.command(line))
     }
 
     /// Asserts that the arguments are refused: exit code 2, nothing on standard output, an error that
@@ -74,7 +83,7 @@ impl Desk {
     /// Variant of [`Desk::refuses`] for arguments that may be empty or hold spaces.
     pub fn refuses_with(&self, arguments: &[&str], words: &[&str]) -> String {
         let before = self.names();
-        let refused = self.octray_with(arguments).assert().code(2).stdout("");
+        let refused = self.octray("").args(arguments).assert().code(2).stdout("");
         let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
         // Warnings about the build may stand before it.
         let of_warning = |line: &&str| line.starts_with("warning: ") || line.starts_with("  ");
@@ -94,8 +103,14 @@ impl Desk {
 
     /// Runs the program with `--json`, which succeeds; returns its report.
     pub fn json(&self, line: &str) -> Value {
-        let printed = self.run(&format!("{line} --json"));
-        serde_json::from_str(&printed).unwrap_or_else(|error| panic!("octray {line}: {error}"))
+        self.json_with_code(line, 0)
+    }
+
+    /// Variant of [`Desk::json`] for another exit code.
+    pub fn json_with_code(&self, line: &str, code: i32) -> Value {
+        let ended = self.octray(&format!("{line} --json")).assert().code(code);
+        let printed = &ended.get_output().stdout;
+        serde_json::from_slice(printed).unwrap_or_else(|error| panic!("octray {line}: {error}"))
     }
 
     /// Runs the program, which succeeds; returns its standard error.

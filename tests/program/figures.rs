@@ -1,26 +1,20 @@
 //! The reports of `octray bench` and `octray compare`.
 
-use crate::desk::{Desk, SCENE, assert_fits, list, number};
+use crate::desk::{Desk, SCENE, assert_fits, assert_has, list, number};
 use octray::lane::WIDTHS;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Asserts that an object has all of these keys.
-#[track_caller]
-fn assert_keys(object: &Value, keys: &str) {
-    for key in keys.split(' ') {
-        assert!(object.get(key).is_some(), "{key} is not in {object}");
-    }
-}
-
 #[test]
 fn bench_reports_every_engine_in_json() {
     let desk = Desk::new();
     let report = desk.json("bench scene.json builtin:three --frames 1 --size 16x9 --threads 1");
     assert_eq!(report["schema"], "octray-bench-1");
-    assert_keys(&report["settings"]["machine"], "cpu cores target_features rustc flags commit");
+    for key in ["cpu", "cores", "target_features", "rustc", "flags", "commit"] {
+        assert!(report["settings"]["machine"].get(key).is_some(), "{key} is not in {report}");
+    }
     assert_eq!(report["reliable"], false, "of one frame");
 
     let results = list(&report["results"]);
@@ -34,9 +28,8 @@ fn bench_reports_every_engine_in_json() {
         .collect();
     assert_eq!(engines, expected);
     for result in results {
-        assert_keys(result, "scene width height max_bounces engine lanes threads fps_median");
-        assert_eq!(json!([result["width"], result["height"], result["max_bounces"]]), json!([16, 9, 4]));
-        assert_eq!(json!([result["threads"], result["frames"]]), json!([1, 1]));
+        let known = json!({ "width": 16, "height": 9, "max_bounces": 4, "threads": 1, "frames": 1 });
+        assert_has(result, &known);
         assert!(number(&result["fps_median"]) >= number(&result["fps_low_1_percent"]), "{result}");
         assert!(number(&result["rays_per_frame"]) >= 16.0 * 9.0, "{result}");
         let mrays_per_s = number(&result["rays_per_frame"]) * number(&result["fps_median"]) / 1e6;
@@ -142,11 +135,9 @@ fn compare_reports_in_json_and_says_for_people_that_the_pictures_agree() {
     let scenes: Vec<&Value> = results.iter().map(|result| &result["scene"]).collect();
     assert_eq!(json!(scenes), json!(["scene.json", "builtin:cornell"]));
     for result in results {
-        assert_keys(result, "scene pixels samples mismatched_pixels first_mismatch speedup reference");
-        assert_keys(&result["reference"], "rmse max_abs mismatched_hits");
-        assert_eq!(json!([result["pixels"], result["samples"]]), json!([144, 2]));
-        assert_eq!(json!([result["mismatched_pixels"], result["first_mismatch"]]), json!([0, null]));
-        assert_eq!(result["reference"]["mismatched_hits"], 0);
+        let known = json!({ "pixels": 144, "samples": 2, "mismatched_pixels": 0, "first_mismatch": null });
+        assert_has(result, &known);
+        assert_has(&result["reference"], &json!({ "mismatched_hits": 0 }));
         let ratio = &result["speedup"];
         let [low, median, high] = [&ratio["spread"][0], &ratio["median"], &ratio["spread"][1]].map(number);
         assert!(0.0 < low && low <= median && median <= high, "{result}");
@@ -161,8 +152,7 @@ fn compare_reports_in_json_and_says_for_people_that_the_pictures_agree() {
 fn compare_finds_hits_that_the_rounding_of_coordinates_moved() {
     let desk = Desk::new();
     desk.write("far.json", SCENE.replacen('{', r#"{ "origin": [0, 0, 100000003],"#, 1));
-    let compared = desk.octray("compare far.json --samples 1 --size 8x8 --json").assert().code(1);
-    let report: Value = serde_json::from_slice(&compared.get_output().stdout).unwrap();
+    let report = desk.json_with_code("compare far.json --samples 1 --size 8x8", 1);
     assert!(number(&report["results"][0]["reference"]["mismatched_hits"]) > 0.0, "{report}");
 }
 
@@ -171,19 +161,14 @@ fn compare_finds_hits_that_the_rounding_of_coordinates_moved() {
 fn bench_and_compare_exit_with_1_when_a_check_failed() {
     let desk = Desk::new();
     let texel = [128, 128, 128, 255];
-    fs::write(
-        desk.path("sun.hdr"),
-        [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n", &texel[..]].concat(),
-    )
-    .unwrap();
+    desk.write("sun.hdr", [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n", &texel[..]].concat());
     let sky = r#"{ "texture": "sun.hdr", "color": [1e18, 1e18, 1e18] }"#;
     desk.write("overflow.json", SCENE.replace(r#"{ "color": [0.5, 0.7, 1.0] }"#, sky));
     // The good scene comes last: it must not make up for the other.
     for command in ["compare --samples 1", "bench --frames 1"] {
         desk.octray(&format!("{command} overflow.json scene.json --size 8x8")).assert().code(1);
     }
-    let failed = desk.octray("compare overflow.json --samples 1 --size 8x8 --json").assert().code(1);
-    let report: Value = serde_json::from_slice(&failed.get_output().stdout).unwrap();
+    let report = desk.json_with_code("compare overflow.json --samples 1 --size 8x8", 1);
     assert!(number(&report["results"][0]["discarded_samples"]) > 0.0, "{report}");
 }
 
@@ -216,9 +201,9 @@ fn compare_hash_prints_the_expected_hash_of_a_film() {
     let (hash, build) = if octray::lane::FUSED { (fused, "fused") } else { (plain, "plain") };
     assert_eq!(desk.run("compare --hash builtin:three"), format!("{hash}  {build}  builtin:three\n"));
     let report = desk.json("compare --hash builtin:three");
-    assert_eq!(report["schema"], "octray-hash-1");
-    assert_eq!(report["fused"], octray::lane::FUSED);
-    assert_eq!(report["results"], json!([{ "scene": "builtin:three", "hash": hash }]));
+    let results = json!([{ "scene": "builtin:three", "hash": hash }]);
+    let expected = json!({ "schema": "octray-hash-1", "fused": octray::lane::FUSED, "results": results });
+    assert_has(&report, &expected);
     let other = desk.json("compare --hash builtin:three --seed 1");
     assert_ne!(other["results"][0]["hash"], hash, "another seed is another film");
 }

@@ -1,7 +1,7 @@
 //! Ctrl-C, and the signals that mean it.
 
 use crate::desk::Desk;
-use crate::program::{PROGRAM, away_from_home, octray, send_signal};
+use crate::program::{PROGRAM, away_from_home, send_signal};
 use crate::waiting::wait_for;
 use octray::render::{Renderer, Settings};
 use octray::scene;
@@ -44,13 +44,10 @@ impl Heard {
 
 impl Running {
     pub fn start(desk: &Desk, line: &str) -> Self {
-        let mut command = octray();
-        command.args(line.split(' '));
-        Self::spawn(desk, command)
+        Self::spawn(desk.command(line))
     }
 
-    fn spawn(desk: &Desk, mut command: Command) -> Self {
-        command.current_dir(desk.path(""));
+    fn spawn(mut command: Command) -> Self {
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let printed = Heard::from(child.stdout.take().unwrap());
         let said = Heard::from(child.stderr.take().unwrap());
@@ -101,6 +98,14 @@ impl Running {
         assert!(!said.contains("samples  "), "progress is for terminals: {said}");
         (status.code(), printed, said)
     }
+
+    /// Presses Ctrl-C, which ends it: what was printed, and what was said on standard error.
+    fn interrupt(self) -> (String, String) {
+        self.press_ctrl_c();
+        let (code, printed, said) = self.end();
+        assert_eq!(code, Some(130), "{printed}{said}");
+        (printed, said)
+    }
 }
 
 impl Drop for Running {
@@ -112,11 +117,7 @@ impl Drop for Running {
 
 /// Returns the standard output of a rendering that Ctrl-C ends when tiles are done.
 fn interrupted(desk: &Desk, arguments: &str) -> String {
-    let running = Running::rendering(desk, arguments);
-    running.press_ctrl_c();
-    let (code, printed, said) = running.end();
-    assert_eq!(code, Some(130), "{printed}{said}");
-    printed
+    Running::rendering(desk, arguments).interrupt().0
 }
 
 /// Asserts that every pixel of a picture is that of `least` to `most` samples, to the bit: only a rendering
@@ -144,9 +145,13 @@ pub fn put_heavy_picture(desk: &Desk) -> &'static str {
 }
 
 #[test]
-fn ctrl_c_saves_the_samples_so_far() {
+fn ctrl_c_saves_the_samples_so_far_and_is_named_as_the_end() {
     let desk = Desk::new();
-    let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36 --json");
+    let picture = "builtin:three --samples 10000000 --size 64x36";
+    let printed = interrupted(&Desk::new(), picture);
+    assert!(printed.contains(" of 10,000,000 samples"), "{printed}");
+    assert!(printed.ends_with("ended by Ctrl-C or a signal\n"), "{printed}");
+    let printed = interrupted(&desk, &format!("{picture} --json"));
     let report: Value = serde_json::from_str(&printed).unwrap();
     assert_eq!(report["interrupted"], true);
     let [least, most] = ["samples", "most_samples"].map(|key| report[key].as_u64().unwrap());
@@ -171,14 +176,6 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
     assert_eq!(desk.names(), ["a.exr", "c.part", "endless.json", "model.obj", "scene.json"]);
 }
 
-#[test]
-fn ctrl_c_is_named_as_the_end() {
-    let desk = Desk::new();
-    let printed = interrupted(&desk, "builtin:three --samples 10000000 --size 64x36");
-    assert!(printed.contains(" of 10,000,000 samples"), "{printed}");
-    assert!(printed.ends_with("ended by Ctrl-C or a signal\n"), "{printed}");
-}
-
 /// `timeout` and shells send their signals twice.
 #[test]
 fn sigterm_and_hang_up_save_the_picture_however_often_they_come() {
@@ -201,7 +198,8 @@ fn hang_up_stays_ignored_under_nohup() {
         let mut command = away_from_home("sh");
         command.args(["-c", &format!("{ignore} exec \"$0\" $1"), PROGRAM]);
         command.arg("render builtin:three --samples 10000000 --size 64x36 -o a.exr");
-        let mut running = Running::spawn(&desk, command);
+        command.current_dir(desk.path(""));
+        let mut running = Running::spawn(command);
         // The handler of Ctrl-C is the last one.
         assert_eq!(running.wait_until_it_listens() & 1, hears, "{ignore}");
     }
@@ -217,11 +215,9 @@ fn ctrl_c_before_the_first_tile_is_done_writes_nothing_and_says_so() {
     let arguments = "endless.json --size 64x64 --bounces 1024 --lanes 1 --traversal linear --samples 4";
     let mut running = Running::start(&desk, &format!("render {arguments} -o a.exr --threads 1"));
     running.wait_until_it_listens();
-    running.press_ctrl_c();
-    let (code, printed, said) = running.end();
-    assert_eq!((code, printed.as_str()), (Some(130), ""));
-    assert!(said.contains("nothing was written"), "{said}");
-    assert_eq!(std::fs::read_to_string(desk.path("a.exr")).unwrap(), "of yesterday");
+    let (printed, said) = running.interrupt();
+    assert!(printed.is_empty() && said.contains("nothing was written"), "{printed}{said}");
+    assert_eq!(desk.text("a.exr"), "of yesterday");
     assert_eq!(desk.names(), ["a.exr", "endless.json", "model.obj", "scene.json"]);
 }
 
@@ -232,9 +228,7 @@ fn ctrl_c_twice_ends_at_once_and_writes_nothing() {
     let running = Running::rendering(&desk, put_heavy_picture(&desk));
     running.press_ctrl_c();
     running.wait_until_it_says("again ends without it");
-    running.press_ctrl_c();
-    let (code, printed, _) = running.end();
-    assert_eq!((code, printed.as_str()), (Some(130), ""));
+    assert_eq!(running.interrupt().0, "");
     assert_eq!(desk.names(), ["c.part", "endless.json", "model.obj", "scene.json"]);
 }
 
@@ -246,9 +240,7 @@ fn interrupted_bench_prints_the_ratios_of_what_it_measured() {
     let line = "bench builtin:three endless.json --size 64x36 --frames 1 --threads 1 --bounces 1024";
     let running = Running::start(&desk, line);
     running.printed.wait_for("\nbuiltin:three");
-    running.press_ctrl_c();
-    let (code, _, said) = running.end();
-    assert_eq!(code, Some(130), "{said}");
+    let (_, said) = running.interrupt();
     let ratios = said.lines().find(|line| line.starts_with("builtin:three")).unwrap_or_default();
     assert!(ratios.contains('×') && !said.contains("endless.json"), "{said}");
     assert!(said.ends_with("Ctrl-C came after 1 of 2 scenes.\n"), "{said}");
@@ -264,9 +256,7 @@ fn commands_that_are_interrupted_before_they_print_say_what_they_leave() {
         let desk = Desk::new();
         let mut running = Running::start(&desk, line);
         running.wait_until_it_listens();
-        running.press_ctrl_c();
-        let (code, printed, said) = running.end();
-        assert_eq!((code, printed.as_str()), (Some(130), ""), "{said}");
-        assert!(said.contains(words), "{said}");
+        let (printed, said) = running.interrupt();
+        assert!(printed.is_empty() && said.contains(words), "{printed}{said}");
     }
 }

@@ -17,18 +17,15 @@ fn bench_has_the_ratios_of_its_rates() {
     let desk = Desk::new();
     let report = desk.json("bench builtin:three --frames 1 --size 64x64");
     let results = list(&report["results"]);
-    let fps = |wanted: &dyn Fn(&Value) -> bool| {
-        number(&results.iter().find(|other| wanted(other)).expect("the other engine")["fps_median"])
-    };
     let mut ratios = 0;
     for engine in results {
-        let [lanes, threads] = ["lanes", "threads"].map(|key| number(&engine[key]));
-        let is = |other: &Value, of: [f64; 2]| ["lanes", "threads"].map(|key| number(&other[key])) == of;
-        let over_scalar = || fps(&|other| is(other, [1.0, threads]));
-        let over_one_thread = || fps(&|other| is(other, [lanes, 1.0]));
-        for (key, base) in [("speedup", &over_scalar as &dyn Fn() -> f64), ("scaling", &over_one_thread)] {
+        // The base of a ratio is the engine that has 1 of this, and the same of the other.
+        for (key, one, same) in [("speedup", "lanes", "threads"), ("scaling", "threads", "lanes")] {
             if !engine[key].is_null() {
-                assert_same(number(&engine[key]["median"]), number(&engine["fps_median"]) / base(), engine);
+                let is_base = |other: &&Value| other[one] == 1 && other[same] == engine[same];
+                let base = results.iter().find(is_base).expect("the other engine");
+                let [fps, base] = [engine, base].map(|engine| number(&engine["fps_median"]));
+                assert_same(number(&engine[key]["median"]), fps / base, engine);
                 ratios += 1;
             }
         }
@@ -43,9 +40,8 @@ fn rays_have_the_ratios_of_their_rates() {
     let report = desk.json("rays builtin:knot:2000 --size 64x48 --passes 1");
     let results = list(&report["results"]);
     for one in results.iter().filter(|one| one["traversal"] != "scalar") {
-        let is_scalar = |other: &&Value| other["traversal"] == "scalar";
-        let same = |other: &&Value| ["kind", "threads"].iter().all(|key| other[key] == one[key]);
-        let scalar = results.iter().filter(is_scalar).find(same).unwrap();
+        let same = |other: &Value| ["kind", "threads"].iter().all(|key| other[key] == one[key]);
+        let scalar = results.iter().find(|other| other["traversal"] == "scalar" && same(other)).unwrap();
         let rates = number(&one["mrays_per_s"]) / number(&scalar["mrays_per_s"]);
         assert_same(number(&one["over_scalar"]["median"]), rates, one);
     }

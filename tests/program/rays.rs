@@ -1,6 +1,6 @@
 //! `octray rays`: its report, and the files it writes for other programs.
 
-use crate::desk::{Desk, assert_fits, list, number};
+use crate::desk::{Desk, assert_fits, assert_has, list, number};
 use octray::lane::NATIVE_WIDTH;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -20,46 +20,30 @@ fn whole(value: &Value) -> u64 {
     value.as_u64().unwrap_or_else(|| panic!("{value} is not a whole number"))
 }
 
-/// A file of columns, read as its documentation says.
-struct Columns {
-    bytes: Vec<u8>,
-    count: usize,
-}
-
-impl Columns {
-    fn read(desk: &Desk, name: &str, magic: &[u8; 8], columns: usize) -> Self {
-        let bytes = desk.bytes(name);
-        assert_eq!(&bytes[..8], magic, "{name}");
-        let count = u64::from_le_bytes(bytes[8..16].try_into().unwrap()) as usize;
-        assert_eq!(bytes.len(), 16 + 4 * columns * count, "{name}");
-        Self { bytes, count }
-    }
-    fn words(&self, column: usize) -> Vec<[u8; 4]> {
-        let start = 16 + 4 * column * self.count;
-        self.bytes[start..start + 4 * self.count].chunks(4).map(|word| word.try_into().unwrap()).collect()
-    }
-    fn floats(&self, column: usize) -> Vec<f32> {
-        self.words(column).into_iter().map(f32::from_le_bytes).collect()
-    }
-    fn numbers(&self, column: usize) -> Vec<u32> {
-        self.words(column).into_iter().map(u32::from_le_bytes).collect()
-    }
+/// The columns of a file, read as its documentation says: of floats, or of whole numbers by their bits.
+fn columns<const N: usize>(desk: &Desk, name: &str, magic: &[u8; 8]) -> [Vec<f32>; N] {
+    let bytes = desk.bytes(name);
+    assert_eq!(&bytes[..8], magic, "{name}");
+    let count = u64::from_le_bytes(bytes[8..16].try_into().unwrap()) as usize;
+    assert_eq!(bytes.len(), 16 + 4 * N * count, "{name}");
+    let words: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes[16..]);
+    std::array::from_fn(|column| words[column * count..][..count].to_vec())
 }
 
 #[test]
 fn rays_reports_every_kind_and_way_in_json() {
     let desk = Desk::new();
     let report = desk.json("rays builtin:knot:2000 --size 64x48 --threads 1 --passes 2");
-    assert_eq!(report["schema"], "octray-rays-1");
-    assert_eq!(report["scene"], "builtin:knot:2000");
-    assert_eq!(report["spheres"], 0);
+    let expected = json!({
+        "schema": "octray-rays-1", "scene": "builtin:knot:2000", "spheres": 0, "fault": null, "left_out": []
+    });
+    assert_has(&report, &expected);
     assert!(whole(&report["triangles"]).abs_diff(2_000) < 40, "{report}");
     assert!(number(&report["build_ms"]) > 0.0 && whole(&report["bvh_bytes"]) > 2_000, "{report}");
     assert!(
         report["settings"]["machine"]["cpu"].is_string() && report["tree"]["wide_nodes"].is_u64(),
         "{report}"
     );
-    assert_eq!(json!([report["fault"], report["left_out"]]), json!([null, []]));
 
     let name = |result: &Value| json!([result["kind"], result["traversal"], result["lanes"]]);
     let mut expected = Vec::new();
@@ -83,8 +67,8 @@ fn rays_reports_every_kind_and_way_in_json() {
     assert!(some.contains(&shadow) && some.contains(&diffuse), "{shadow} and {diffuse} of {primary}");
     for result in results(&report) {
         let rays = if result["kind"] == "primary" { 64 * 48 } else { primary };
-        assert_eq!(json!([result["threads"], result["rays"]]), json!([1, rays]), "{result}");
-        assert_eq!(json!([result["passes"], result["disagreements"]]), json!([2, 0]), "{result}");
+        let known = json!({ "threads": 1, "rays": rays, "passes": 2, "disagreements": 0 });
+        assert_has(result, &known);
         let spread = &result["mrays_per_s_spread"];
         let [rate, low, high] = [&result["mrays_per_s"], &spread[0], &spread[1]].map(number);
         assert!(0.0 < low && low <= rate && rate <= high, "{result}");
@@ -199,22 +183,19 @@ fn dump_holds_the_rays_and_hits_that_the_report_counts() {
     let report = desk.json(line);
     assert_eq!(desk.names_in("a/b"), ["diffuse.rays", "primary.rays", "shadow.rays", "triangles.bin"]);
 
-    let triangles = Columns::read(&desk, "a/b/triangles.bin", b"OCTRITR1", 9);
-    assert_eq!(triangles.count, 1);
-    let vertices: Vec<f32> = (0..9).flat_map(|word| triangles.floats(word)).collect();
+    let vertices = columns::<9>(&desk, "a/b/triangles.bin", b"OCTRITR1").concat();
     assert_eq!(vertices, [0.0, 0.0, 0.0, 0.0, 0.0, 18.0, 18.0, 0.0, 9.0], "from the scene's origin");
 
     for kind in ["primary", "shadow", "diffuse"] {
-        let rays = Columns::read(&desk, &format!("a/b/{kind}.rays"), b"OCTRAYS1", 11);
+        let [x, y, z, dx, dy, dz, reach, t, primitive, u, v] =
+            columns(&desk, &format!("a/b/{kind}.rays"), b"OCTRAYS1");
+        let (origin, direction) = ([x, y, z], [dx, dy, dz]);
+        let primitive: Vec<u32> = primitive.into_iter().map(f32::to_bits).collect();
         let result = results(&report).iter().find(|result| result["kind"] == kind).unwrap();
-        let column = |number: usize| rays.floats(number);
-        let [origin_y, direction_y] = [column(1), column(4)];
-        let direction = [column(3), column(4), column(5)];
-        let (reach, t, primitive, u, v) = (column(6), column(7), rays.numbers(8), column(9), column(10));
-        assert_eq!(rays.count as u64, whole(&result["rays"]), "{kind}");
+        assert_eq!(t.len() as u64, whole(&result["rays"]), "{kind}");
         let hits = primitive.iter().filter(|&&primitive| primitive != u32::MAX).count();
         assert_eq!(hits as u64, whole(&result["hits"]), "{kind}");
-        for at in 0..rays.count {
+        for at in 0..t.len() {
             let length: f32 = direction.iter().map(|column| column[at] * column[at]).sum();
             assert!((length - 1.0).abs() < 1e-6, "{kind} {at}");
             assert_eq!(reach[at].is_finite(), kind == "shadow", "{kind} {at}");
@@ -224,15 +205,13 @@ fn dump_holds_the_rays_and_hits_that_the_report_counts() {
             }
             assert!(t[at] > 0.0 && t[at] <= reach[at] && primitive[at] < 2, "{kind} {at}");
             if primitive[at] == 1 {
-                let height = origin_y[at] + t[at] * direction_y[at];
+                let height = origin[1][at] + t[at] * direction[1][at];
                 assert!(height.abs() < 1e-4, "{kind} {at}: {height} from the origin at a vertex");
                 assert!(u[at] >= 0.0 && v[at] >= 0.0 && u[at] + v[at] <= 1.0 + 1e-6, "{kind} {at}");
                 for axis in [0, 2] {
                     let [a, b, c] = [0, 3, 6].map(|vertex| vertices[vertex + axis]);
-                    let [along, across] = [
-                        rays.floats(axis)[at] + t[at] * direction[axis][at],
-                        a + u[at] * (b - a) + v[at] * (c - a),
-                    ];
+                    let along = origin[axis][at] + t[at] * direction[axis][at];
+                    let across = a + u[at] * (b - a) + v[at] * (c - a);
                     assert!((along - across).abs() < 1e-3, "{kind} {at}: {along}, {across}");
                 }
             }

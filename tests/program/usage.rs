@@ -1,8 +1,9 @@
 //! Help, and refusals: wrong arguments, numbers out of range, outputs that cannot be written.
 
-use crate::desk::{Desk, SCENE};
+use crate::desk::{Desk, SCENE, assert_has};
 use predicates::prelude::*;
 use predicates::str::contains;
+use serde_json::json;
 use std::fs;
 
 const COMMANDS: [&str; 10] =
@@ -46,12 +47,9 @@ fn methods_have_a_sentence_each() {
     let said = desk.run("methods");
     assert!(said.contains("  woop *") && said.contains("  moller-trumbore  The classic"), "{said}");
     let report = desk.json("methods");
-    let first = &report["methods"][0];
-    assert_eq!(
-        [&report["schema"], &first["option"], &first["name"]],
-        ["octray-methods-1", "sphere", "robust"]
-    );
-    assert_eq!(first["default"], true);
+    assert_eq!(report["schema"], "octray-methods-1");
+    let first = json!({ "option": "sphere", "name": "robust", "default": true });
+    assert_has(&report["methods"][0], &first);
 }
 
 /// A line for each kind of message.
@@ -104,8 +102,6 @@ fn what_cannot_be_done_is_refused_with_what_to_do_instead() {
         ("render nowhere.json -o scene.json/picture.png", &["scene.json", "not a folder"]),
         ("render nowhere.json -o folder.png", &["folder.png", "is a folder"]),
         ("rays nowhere.json --dump folder", &["nowhere.json"]),
-        ("chart scene.json -o model.obj", &["cannot make the folder", "model.obj", "because: "]),
-        ("convert model.obj scene.json", &["scene.json", "exists", "--force"]),
         ("convert model.obj new.txt", &["would not be read as a scene", "write to new.json"]),
         ("convert model.stl new.json", &["`model.stl` is not a model\n", "export the model as"]),
         ("convert scene.json model.obj", &["the model comes first: octray convert model.obj scene.json"]),

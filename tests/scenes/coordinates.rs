@@ -24,13 +24,10 @@ fn seen(scene: &Scene) -> String {
     format!("{:?}", (&scene.camera, &scene.spheres, &scene.triangles, &scene.uvs, &scene.normals))
 }
 
-const MODEL: &str = "v 0.5 0.25 0\nv 2.125 0 7\nv 0.75 2 1.5\nf 1 2 3\n";
-
 /// A native scene with what is given for its camera, at this place and of this scale.
-fn scene(folder: &Folder, camera: Value, translate: [f64; 3], scale: f64) -> Scene {
-    folder.write("m.obj", MODEL);
+fn scene(folder: &Folder, mut camera: Value, translate: [f64; 3], scale: f64) -> Scene {
+    folder.write("m.obj", "v 0.5 0.25 0\nv 2.125 0 7\nv 0.75 2 1.5\nf 1 2 3\n");
     let point = |p: [f64; 3]| json!([0, 1, 2].map(|axis| p[axis] * scale + translate[axis]));
-    let mut camera = camera;
     for key in ["position", "look_at"] {
         if let Some(p) = camera.get_mut(key) {
             *p = point(serde_json::from_value(p.clone()).unwrap());
@@ -79,7 +76,7 @@ fn models_in_coordinates_of_a_map_keep_every_digit() {
     // Placed by a scene that moves it home, or elsewhere.
     let placed = |translate: [f64; 3]| {
         let mesh = json!({ "model": "m.obj", "translate": translate });
-        folder.load("s.json", json!({ "format": "octray-1", "meshes": [mesh] }).to_string()).unwrap()
+        folder.load_keys(&format!(r#""meshes": [{mesh}]"#)).unwrap()
     };
     at(447_321.5, -5_411_873.25);
     for translate in [[0.0, 10.0, 0.0], [-447_321.5, 0.0, 5_411_873.25]] {
@@ -98,12 +95,10 @@ fn a_line_of_sight_gives_one_picture_whatever_point_of_it_is_named() {
         let (near, away) = if fov < 1.0 { (0.0, 1e5) } else { (5.0, 0.0) };
         let position = dvec3(0.0, 1.0, near) - direction * away;
         let look_at = (position + direction * distance).to_array();
-        let camera =
-            json!({ "position": position.to_array(), "look_at": look_at, "vertical_fov": fov }).to_string();
+        let camera = json!({ "position": position.to_array(), "look_at": look_at, "vertical_fov": fov });
         let keys = r#""spheres": [{ "center": [0,1,0], "radius": 1 }],
             "triangles": [{ "vertices": [[-9,0,9],[9,0,9],[0,0,-20]] }]"#;
-        let text = format!(r#"{{ "format": "octray-1", "camera": {camera}, {keys} }}"#);
-        let scene = folder.load("s.json", text).unwrap();
+        let scene = folder.load_keys(&format!(r#""camera": {camera}, {keys}"#)).unwrap();
         let renderer = Renderer::new(&scene, Settings { resolution: [48, 27], ..Settings::of(&scene) });
         let mut film = renderer.film();
         renderer.add_samples(&mut film, 1);
@@ -126,15 +121,15 @@ fn a_line_of_sight_gives_one_picture_whatever_point_of_it_is_named() {
 #[test]
 fn cameras_far_from_the_origin_are_warned_of() {
     let folder = Folder::new();
-    folder.write("s.json", r#"{ "format": "octray-1", "spheres": [{ "center": [0,0,0], "radius": 1 }] }"#);
+    folder.load_keys(r#""spheres": [{ "center": [0,0,0], "radius": 1 }]"#).unwrap();
     let camera = r#""camera": { "position": [5e6, 1, 5], "look_at": [5e6, 1, 0] }"#;
-    let view = |keys: &str| format!(r#"{{ "format": "octray-view-1", "scene": "s.json", {keys} }}"#);
+    let view = |keys: &str| format!(r#"{{ "format": "octray-view-1", "scene": "scene.json", {keys} }}"#);
     for keys in [camera.to_string(), format!(r#""keyframes": [{{ "frame": 1, {camera} }}]"#)] {
         let warning = folder.load("v.json", view(&keys)).unwrap().warnings.concat();
         assert!(warning.contains("rounded to 6.0e-1") && warning.contains("`origin`"), "{warning}");
     }
     let keys = r#""origin": [1e7, 0, 0], "spheres": [{ "center": [0,0,0], "radius": 1 }]"#;
-    let scene = folder.load("o.json", format!(r#"{{ "format": "octray-1", {keys} }}"#)).unwrap();
+    let scene = folder.load_keys(keys).unwrap();
     assert!(scene.warnings.concat().contains("`origin`"), "{:?}", scene.warnings);
 }
 
@@ -143,10 +138,8 @@ fn views_far_from_zero_read_back_as_they_were_written() {
     let folder = Folder::new();
     let keys =
         r#""camera": { "position": [447321.31, -0.2, -5411870.1], "look_at": [447325.9, 0, -5411873.77] }"#;
-    let text = format!(
-        r#"{{ "format": "octray-1", {keys}, "spheres": [{{ "center": [447325,4,-5411873], "radius": 1 }}] }}"#
-    );
-    let scene = folder.load("s.json", text).unwrap();
+    let ball = r#""spheres": [{ "center": [447325,4,-5411873], "radius": 1 }]"#;
+    let scene = folder.load_keys(&format!("{keys}, {ball}")).unwrap();
     let view = View::from_scene(&scene, None, &folder.path(""));
     let again = load_with_view(&folder.write("v.json", view.text())).unwrap();
     assert_eq!((again.view.as_ref(), again.camera), (Some(&view), scene.camera), "{}", view.text());
@@ -156,9 +149,8 @@ fn views_far_from_zero_read_back_as_they_were_written() {
 
 #[test]
 fn an_origin_of_the_file_is_taken() {
-    let folder = Folder::new();
     let keys = r#""origin": [5, 6, 7], "spheres": [{ "center": [5.5, 6, 7], "radius": 1 }]"#;
-    let scene = folder.load("s.json", format!(r#"{{ "format": "octray-1", {keys} }}"#)).unwrap();
+    let scene = Folder::new().load_keys(keys).unwrap();
     assert_eq!(scene.spheres[0].center.to_array(), [0.5, 0.0, 0.0]);
 }
 
@@ -167,7 +159,7 @@ fn primitives_too_large_for_their_view_are_named() {
     let folder = Folder::new();
     let warnings = |keys: &str| {
         let camera = r#""camera": { "position": [0,1.5,4], "look_at": [0,-109999998.5,-399999996] }"#;
-        folder.load("s.json", format!(r#"{{ "format": "octray-1", {camera}, {keys} }}"#)).unwrap().warnings
+        folder.load_keys(&format!("{camera}, {keys}")).unwrap().warnings
     };
     let ball = |y: f64, radius: f64| {
         warnings(&format!(r#""spheres": [{{ "center": [0,{y},0], "radius": {radius} }}]"#))
@@ -188,9 +180,7 @@ fn primitives_too_large_for_their_view_are_named() {
 
 #[test]
 fn sizes_beyond_what_single_precision_holds_are_refused_with_the_range() {
-    let folder = Folder::new();
     let keys = r#""camera": { "position": [0,1,5], "look_at": [7,0,0] }, "spheres": [{ "center": [0,2e12,0], "radius": 1 }]"#;
-    let error =
-        folder.load("s.json", format!(r#"{{ "format": "octray-1", {keys} }}"#)).unwrap_err().to_string();
+    let error = Folder::new().load_keys(keys).unwrap_err().to_string();
     assert!(error.contains("too far away") && error.contains("1.1e12 around [0, 1, 5]"), "{error}");
 }

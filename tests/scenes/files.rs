@@ -10,8 +10,7 @@ use std::time::SystemTime;
 
 /// Loads a scene of these keys as a file, with whatever else stands in `folder`.
 fn load_in(folder: &Folder, keys: &str) -> Scene {
-    let text = format!(r#"{{ "format": "octray-1", {keys} }}"#);
-    folder.load("scene.json", text).unwrap_or_else(|error| panic!("{error}"))
+    folder.load_keys(keys).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn load_keys(keys: &str) -> Scene {
@@ -329,27 +328,14 @@ fn scenes_of_the_book_load_without_a_warning() {
     }
 }
 
-#[test]
-fn builtin_three_rests_on_a_floor_sphere_with_its_top_at_zero() {
-    let scene = in_file(load("builtin:three").unwrap());
-    let floor = scene.spheres[0];
-    assert_eq!((floor.center.y + floor.radius, floor.radius), (0.0, 1000.0));
-    for ball in &scene.spheres[1..] {
-        assert_eq!((ball.center.y - ball.radius, ball.radius), (0.0, 1.0));
-    }
-    assert_eq!(scene.sky, Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) });
-}
-
 /// A change while a scene is read must be newer than this time.
 #[test]
 fn time_of_reading_is_that_before_the_first_file_is_read() {
     let folder = Folder::new();
-    let path = folder.path("model.obj");
-    let mut text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_string();
-    (0..50_000).for_each(|_| text += "f 1 2 3\n");
-    std::fs::write(&path, text).unwrap();
+    let faces = "f 1 2 3\n".repeat(50_000);
+    let model = folder.write("model.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}"));
     let begin = SystemTime::now();
-    let read = load_with_view(path.to_str().unwrap()).unwrap().read.unwrap();
+    let read = load_with_view(&model).unwrap().read.unwrap();
     let half = begin.elapsed().unwrap() / 2;
     assert!((begin..begin + half).contains(&read), "{read:?} of {begin:?} and {half:?} more");
     assert_eq!(load_with_view("builtin:three").unwrap().read, None);

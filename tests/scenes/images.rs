@@ -2,7 +2,7 @@
 
 use crate::folder::Folder;
 use exr::prelude::*;
-use std::fs;
+use octray::scene::load;
 
 /// The first texel of the image as a sky, and what is said of it; or why it is refused.
 fn seen(folder: &Folder, name: &str) -> std::result::Result<([f64; 3], String), String> {
@@ -11,8 +11,8 @@ fn seen(folder: &Folder, name: &str) -> std::result::Result<([f64; 3], String), 
 
 fn texels(folder: &Folder, name: &str) -> std::result::Result<(Vec<[f64; 3]>, String), String> {
     let ball = r#""spheres": [{ "center": [0,0,0], "radius": 1 }]"#;
-    let text = format!(r#"{{ "format": "octray-1", {ball}, "sky": {{ "texture": "{name}" }} }}"#);
-    let scene = folder.load("scene.json", text).map_err(|error| error.to_string())?;
+    let keys = format!(r#"{ball}, "sky": {{ "texture": "{name}" }}"#);
+    let scene = folder.load_keys(&keys).map_err(|error| error.to_string())?;
     assert!(scene.warnings.iter().all(|warning| warning.contains(&format!("{name}: "))));
     let texels = &scene.textures[0].texels;
     Ok(((0..texels.len()).map(|at| texels.linear(at)).collect(), scene.warnings.concat()))
@@ -36,7 +36,7 @@ fn exr(
     let (mut bytes, name) = (bytes.into_inner(), b"compression\0compression\0");
     let at = bytes.windows(name.len()).position(|at| at == name).unwrap() + name.len() + 4;
     bytes[at] = if is_new { 10 } else { bytes[at] };
-    fs::write(folder.path("sky.exr"), bytes).unwrap();
+    folder.write("sky.exr", bytes);
     seen(&folder, "sky.exr")
 }
 
@@ -158,8 +158,8 @@ fn colours_of_8_and_16_bits_are_decoded_from_srgb_and_data_are_not() {
         for name in ["8.png", "16.png"] {
             let material = format!(r#"{{ "type": "metal", "{key}": "{name}" }}"#);
             let ball = r#""spheres": [{ "center": [0,0,0], "radius": 1, "material": "m" }]"#;
-            let text = format!(r#"{{ "format": "octray-1", "materials": {{ "m": {material} }}, {ball} }}"#);
-            let texel = folder.load("scene.json", text).unwrap().textures[0].texels.linear(0);
+            let keys = format!(r#""materials": {{ "m": {material} }}, {ball}"#);
+            let texel = folder.load_keys(&keys).unwrap().textures[0].texels.linear(0);
             assert!(texel.iter().all(|x| (x - wanted).abs() < 1e-5), "{key} {name}: {texel:?}");
         }
     }
@@ -175,14 +175,9 @@ fn colours_of_a_file_are_converted_and_the_rest_is_said() {
         assert!(texel == [1.0, 0.5, 0.25] && is_said(&said, what), "{head}: {said}");
     }
     let plain = [0.57758, 0.12744, 0.03190];
-    folder.write("t.bin", [0_f32, 0., 0., 1., 0., 0., 0., 1., 0.].map(f32::to_le_bytes).concat());
-    let model = r#"{ "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
-        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
-        "textures": [{ "source": 0 }], "images": [{ "uri": "p.png" }],
-        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" },
-            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2" }],
-        "bufferViews": [{ "buffer": 0, "byteLength": 36 }], "buffers": [{ "uri": "t.bin", "byteLength": 36 }] }"#;
+    let textured = r#""materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+        "textures": [{ "source": 0 }], "images": [{ "uri": "p.png" }]"#;
+    folder.write_gltf_triangle("m.gltf", "t.bin", textured);
     for (alpha, chunk, wanted, what) in [
         (255, &b"gAMA\0\0\xb1\x8f"[..], plain, ""),
         (255, b"gAMA\0\x01\x86\xa0", [0.78431, 0.39216, 0.19608], ""),
@@ -204,7 +199,7 @@ fn colours_of_a_file_are_converted_and_the_rest_is_said() {
         let off = |texel: [f64; 3], wanted: [f64; 3]| (0..3).any(|at| (texel[at] - wanted[at]).abs() > 5e-4);
         assert!(!off(texel, wanted) && is_said(&said, what), "{what}: {texel:?} {said}");
         // In glTF all are sRGB, by its standard.
-        let texel = folder.load("m.gltf", model).unwrap().textures[0].texels.linear(0);
+        let texel = load(&folder.name("m.gltf")).unwrap().textures[0].texels.linear(0);
         assert!(!off(texel, plain), "{what}: {texel:?}");
     }
 }

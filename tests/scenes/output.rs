@@ -41,8 +41,7 @@ fn hdr(picture: &Picture, tone: &Tone) -> Vec<f32> {
 }
 
 fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [f32; 3]) -> Picture {
-    let pixels =
-        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| color(x, y)).collect();
+    let pixels = (0..width * height).map(|at| color(at % width, at / width)).collect();
     Picture { width, height, pixels }
 }
 
@@ -156,20 +155,27 @@ fn hdr_neither_wraps_around_nor_keeps_what_is_not_light() {
 #[test]
 fn save_writes_each_format_by_its_extension() {
     let folder = Folder::new();
-    let small = picture(3, 2, |x, y| [x as f32, y as f32, 0.5]);
-    for (name, magic) in [
-        ("a.png", &b"\x89PNG"[..]),
-        ("a.jpg", b"\xFF\xD8\xFF"),
-        ("b.jpeg", b"\xFF\xD8\xFF"),
-        ("a.exr", b"\x76\x2f\x31\x01"),
-        ("a.HDR", b"#?RADIANCE"),
-    ] {
-        let path = folder.path(name);
-        save(&path, &small, &Tone::default()).unwrap();
-        assert!(fs::read(&path).unwrap().starts_with(magic), "{name}");
+    let small = |[width, height]: [u32; 2]| picture(width, height, |x, y| [x as f32, y as f32, 0.5]);
+    for size in [[3, 2], [1, 1], [9, 1], [1, 9], [17, 13]] {
+        for (name, magic) in [
+            ("a.png", &b"\x89PNG"[..]),
+            ("a.jpg", b"\xFF\xD8\xFF"),
+            ("b.jpeg", b"\xFF\xD8\xFF"),
+            ("a.exr", b"\x76\x2f\x31\x01"),
+            ("a.HDR", b"#?RADIANCE"),
+        ] {
+            let path = folder.path(name);
+            save(&path, &small(size), &Tone::default()).unwrap();
+            assert!(folder.bytes(name).starts_with(magic), "{name}");
+            let pixels = match name {
+                "a.exr" => crate::openexr::read(&path).2.len() as u32,
+                _ => image::image_dimensions(&path).map(|(width, height)| width * height).unwrap(),
+            };
+            assert_eq!(pixels, size[0] * size[1], "{name}");
+        }
     }
     assert_eq!(folder.names(), ["a.HDR", "a.exr", "a.jpg", "a.png", "b.jpeg"]);
-    let unknown = save(&folder.path("a.gif"), &small, &Tone::default());
+    let unknown = save(&folder.path("a.gif"), &small([3, 2]), &Tone::default());
     assert!(matches!(unknown, Err(OutputError::UnknownFormat { .. })));
 }
 

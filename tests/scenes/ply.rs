@@ -5,18 +5,19 @@ use crate::folder::Folder;
 use crate::obj::area;
 use glam::{Vec2, Vec3, vec3};
 use octray::render::{Renderer, Settings};
-use octray::scene::{Scene, Texels, Texture, load, srgb_to_linear};
-use std::fs;
+use octray::scene::{Camera, Scene, Sky, Texels, Texture, load, srgb_to_linear};
 
 fn read_bytes(content: &[u8]) -> Result<Scene, String> {
-    let folder = Folder::new();
-    let path = folder.path("m.ply");
-    fs::write(&path, content).unwrap();
-    load(path.to_str().unwrap()).map(in_file).map_err(|error| error.to_string())
+    Folder::new().load("m.ply", content).map(in_file).map_err(|error| error.to_string())
 }
 
 const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
 const FACE: &str = "property list uchar int vertex_indices\n";
+
+/// Properties of one type.
+fn properties(kind: &str, names: &str) -> String {
+    names.split(' ').map(|name| format!("property {kind} {name}\n")).collect()
+}
 
 /// A text file of vertices that have more properties and are followed by more of a header, and its body.
 fn ascii(vertices: u64, header: &str, body: &str) -> String {
@@ -62,10 +63,10 @@ fn encoded(header: &str, numbers: &[(char, f64)]) -> [Vec<u8>; 3] {
 
 #[test]
 fn all_encodings_give_the_same_polygons_normals_and_colours() {
-    let header = "element edge 1\nproperty int a\nelement vertex 5\nproperty double x\nproperty float y\n\
-                  property float z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty uchar red\n\
-                  property uchar green\nproperty uchar blue\nproperty uchar alpha\nelement face 2\n\
-                  property list uchar int vertex_indices\nproperty uchar flags\nobj_info x\n";
+    let [places, colors] = [properties("float", "y z nx ny nz"), properties("uchar", "red green blue alpha")];
+    let vertex = format!("element vertex 5\nproperty double x\n{places}{colors}");
+    let face = format!("element face 2\n{FACE}property uchar flags\nobj_info x\n");
+    let header = &format!("element edge 1\nproperty int a\n{vertex}{face}");
     let mut numbers = vec![('i', 77.0)];
     for (x, y, red) in
         [(0.0, 0.0, 0.0), (1.0, 0.0, 255.0), (1.5, 1.0, 128.0), (0.5, 2.0, 0.0), (-0.5, 1.0, 0.0)]
@@ -98,24 +99,21 @@ fn all_encodings_give_the_same_polygons_normals_and_colours() {
 
 #[test]
 fn colours_are_linear_between_vertices() {
-    let header = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float red\n\
-                  property float green\nproperty float blue\nelement face 1\nproperty list uchar uint vertex_index\n";
+    let colors = properties("float", "red green blue");
+    let face = "element face 1\nproperty list uchar uint vertex_index\n";
+    let header = &format!("element vertex 3\n{XYZ}{colors}{face}");
     let rows =
         [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, 1.0]];
     let mut numbers: Vec<(char, f64)> = rows.iter().flatten().map(|&x| ('f', x)).collect();
     numbers.extend([('c', 3.0), ('i', 0.0), ('i', 1.0), ('i', 2.0)]);
     let mut scene = read_bytes(&encoded(header, &numbers)[1]).unwrap();
     // Seen from straight above under a white sky, each colour is that of its point.
-    scene.camera = octray::scene::Camera {
-        position: vec3(0.5, 0.5, 10.0),
-        look_at: vec3(0.5, 0.5, 0.0),
-        up: Vec3::Y,
-        vertical_fov: (0.05_f32).atan().to_degrees() * 2.0,
-    };
-    scene.sky = octray::scene::Sky::Color(Vec3::ONE);
-    scene.resolution = [20, 20];
-    scene.max_bounces = 1;
-    let renderer = Renderer::new(&scene, Settings::of(&scene));
+    let [position, look_at] = [10.0, 0.0].map(|z| vec3(0.5, 0.5, z));
+    let vertical_fov = 2.0 * 0.05_f32.atan().to_degrees();
+    scene.camera = Camera { position, look_at, up: Vec3::Y, vertical_fov };
+    scene.sky = Sky::Color(Vec3::ONE);
+    let settings = Settings { resolution: [20, 20], max_bounces: 1, ..Settings::of(&scene) };
+    let renderer = Renderer::new(&scene, settings);
     let mut film = renderer.film();
     renderer.add_samples(&mut film, 16);
     let picture = film.picture();
@@ -177,18 +175,13 @@ fn files_that_lie_are_refused() {
 fn placed_models_turn_their_normals_and_keep_their_coordinates() {
     let folder = Folder::new();
     image::RgbImage::new(1, 1).save(folder.path("p.png")).unwrap();
-    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
-                property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n\
-                property float red\nproperty float green\nproperty float blue\n\
-                element face 1\nproperty list uchar int vertex_indices\nend_header\n\
-                0 0 0  1.2 0 1.6  0.25 0.125  1 0 0\n1 0 0  0 1.2 1.6  0.5 0.125  0 1 0\n\
-                0 1 0  0 -1.2 1.6  0.25 0.75  0 0 1\n3 0 1 2\n";
-    folder.write("m.ply", text);
-    let path = folder.path("s.json");
-    let scene = r#"{ "format": "octray-1", "materials": { "p": { "type": "diffuse", "texture": "p.png" } }, "meshes": [
-        { "model": "m.ply", "material": "p", "scale": 2, "rotate_degrees": [0, 0, 90], "translate": [0, 0, 1] } ] }"#;
-    fs::write(&path, scene).unwrap();
-    let scene = in_file(load(path.to_str().unwrap()).unwrap());
+    let more = properties("float", "nx ny nz s t red green blue");
+    let corners = "0 0 0  1.2 0 1.6  0.25 0.125  1 0 0\n1 0 0  0 1.2 1.6  0.5 0.125  0 1 0\n\
+                   0 1 0  0 -1.2 1.6  0.25 0.75  0 0 1\n3 0 1 2\n";
+    folder.write("m.ply", ascii(3, &format!("{more}element face 1\n{FACE}"), corners));
+    let keys = r#""materials": { "p": { "type": "diffuse", "texture": "p.png" } }, "meshes": [
+        { "model": "m.ply", "material": "p", "scale": 2, "rotate_degrees": [0, 0, 90], "translate": [0, 0, 1] } ]"#;
+    let scene = in_file(folder.load_keys(keys).unwrap());
     let turned = [[0.0, 0.0, 1.0], [0.0, 2.0, 1.0], [-2.0, 0.0, 1.0]].map(Vec3::from);
     assert_eq!(scene.triangles[0].vertices, turned);
     assert_eq!(scene.uvs[0], [[0.25, 0.125], [0.5, 0.125], [0.25, 0.75]].map(Vec2::from), "v upwards");
@@ -230,7 +223,7 @@ fn what_is_not_read_is_a_warning_with_its_place_and_the_rest_is_shown() {
             scene.warnings.iter().map(|warning| warning.split_once("m.ply:").unwrap().1.to_string());
         (warnings.collect::<Vec<_>>(), area(&scene), scene)
     };
-    let faces = "element face 2\nproperty list uchar int vertex_indices\n";
+    let faces = &format!("element face 2\n{FACE}");
     let square = |end: &str| format!("0 0 0 {end} 1 0 0 {end} 1 1 0 {end} 0 1 0 {end} ");
     // Of what is not read.
     for number in ["nan", "-nan(ind)", "1.#QNAN", "inf"] {
@@ -250,8 +243,7 @@ fn what_is_not_read_is_a_warning_with_its_place_and_the_rest_is_shown() {
     assert_eq!((warnings, area), ([list, edge, texture, face].map(String::from).to_vec(), 1.0));
     // Colours of faces, a concave polygon.
     let (warnings, area, scene) = read(
-        "element face 1\nproperty list uchar int vertex_index\nproperty uchar red\nproperty uchar green\n\
-         property uchar blue\nproperty uchar alpha\n",
+        &format!("element face 1\n{FACE}{}", properties("uchar", "red green blue alpha")),
         "0 0 0 4 0 0 1 1 0 0 4 0 4 1 2 3 0 255 0 255 255",
     );
     assert_eq!((warnings, area), (vec!["12: the property `alpha` of `face` is not read.".to_string()], 4.0));
@@ -275,8 +267,7 @@ fn colours_of_every_type_have_the_scale_of_their_numbers() {
         ("float", "0 128 300", grey),
         ("double", "-1 0.5 1.5", 0.5),
     ] {
-        let of = ["red", "green", "blue"].map(|channel| format!("property {name} {channel}\n")).concat();
-        let header = format!("element face 1\n{FACE}{of}");
+        let header = format!("element face 1\n{FACE}{}", properties(name, "red green blue"));
         let text = ascii(3, &header, &format!("0 0 0 1 0 0 0 1 0 3 0 1 2 {colors}\n"));
         let scene = read_bytes(text.as_bytes()).unwrap();
         let texels = linear_texels(&scene.textures[0]);
@@ -304,7 +295,7 @@ fn images_that_comments_name_are_textures() {
     };
     let [red, blue] = [Some([1.0, 0.0, 0.0]), Some([0.0, 0.0, 1.0])];
     let uvs = [0.0, 1.0, 0.5].map(|v| Vec2::new(0.25, v));
-    let st = "property float texture_u\nproperty float texture_v\n";
+    let st = &properties("float", "texture_u texture_v");
     let body = "0 0 0 0.25 0 1 0 0 0.25 1 0 1 0 0.25 0.5 ";
     let (colors, found, warnings) = read(st, "", &(body.to_string() + &"3 0 1 2 ".repeat(4)));
     assert_eq!((colors, found), (vec![red; 4], vec![uvs; 4]));

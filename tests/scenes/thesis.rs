@@ -50,7 +50,8 @@ fn camera_keeps_the_old_view() {
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up);
     // Theirs: yaw -4.7, nearly along +z; x grows to the left, y downwards. Inverted: nearly along -z, right
-    // +x, up +y.
+    // +x, up +y. Not -3π/2: the middle of the picture passes x = -2.53 at z = 0, and the origin, which would
+    // lie 7.7 pixels right of the middle, lies 9.8 left of it.
     let (sin, cos) = (-4.7_f64).sin_cos();
     assert!((forward.as_dvec3() + glam::dvec3(cos, 0.0, sin)).length() < 1e-6, "{forward}");
     assert!((right.as_dvec3() - glam::dvec3(sin, 0.0, -cos)).length() < 1e-6, "{right}");
@@ -59,28 +60,6 @@ fn camera_keeps_the_old_view() {
     // 1/4.
     let half_height = (camera.vertical_fov.to_radians() / 2.0).tan();
     assert!((half_height - 34.0 / 200.0 / 4.0).abs() < 1e-7, "{half_height}");
-}
-
-/// Columns right of the middle of a picture 480 pixels wide, in which a point of the thesis's axes lies.
-fn column(camera: &octray::scene::Camera, theirs: Vec3) -> f32 {
-    let forward = (camera.look_at - camera.position).normalize();
-    let right = forward.cross(camera.up).normalize();
-    let toward = -theirs - camera.position;
-    200.0 * 480.0 / 68.0 * toward.dot(right) / toward.dot(forward)
-}
-
-#[test]
-fn camera_has_the_yaw_of_the_thesis() {
-    let scene = load_text(r#"{ "res": [480, 270], "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
-    let camera = &scene.camera;
-    // A yaw of -3π/2 would put the origin 2 · 1411.8 / 365.63 = 7.7 pixels right of the middle; -4.7 turns
-    // the camera by 0.0124 rad, 17.5 pixels.
-    let origin = column(camera, Vec3::ZERO);
-    assert!((origin + 9.77).abs() < 0.02, "a little left of the middle: {origin}");
-    // The middle of the picture passes x = -2.5 at z = 0, to a decimal.
-    assert!(column(camera, vec3(-2.53, -2.5, 0.0)).abs() < 0.01);
-    let (left, right) = (vec3(-2.45, -2.5, 0.0), vec3(-2.55, -2.5, 0.0));
-    assert!(column(camera, left) < 0.0 && column(camera, right) > 0.0);
 }
 
 /// The centre of this ball is in the upper left of their picture, and must be so in ours.
@@ -142,13 +121,6 @@ fn textures_are_found_beside_the_scene_and_above_it_with_either_slash() {
     assert!(missing.warnings[0].contains("bin/texture/none.png") && missing.textures.is_empty());
 }
 
-/// Their lookup, from the description: column and row (from the top), each in [0, 1), of a point of a ball
-/// with outward normal `n` in their axes.
-fn their_ball_lookup(n: Vec3) -> [f32; 2] {
-    let u = (n.z.atan2(n.x) / std::f32::consts::TAU).rem_euclid(1.0);
-    [u, 1.0 - n.y.acos() / std::f32::consts::PI]
-}
-
 #[test]
 fn ball_textures_lie_as_in_their_program() {
     let scene = load_text(r#"{ "sphere": [ { "center": [0,0,0], "radius": 1 } ] }"#);
@@ -159,7 +131,9 @@ fn ball_textures_lie_as_in_their_program() {
         let u =
             (ours.z.atan2(ours.x) / std::f32::consts::TAU + scene.spheres[0].texture_turn).rem_euclid(1.0);
         let row = ours.y.acos() / std::f32::consts::PI;
-        let [their_u, their_row] = their_ball_lookup(theirs);
+        // Their lookup, from the description: column and row (from the top), each in [0, 1).
+        let their_u = (theirs.z.atan2(theirs.x) / std::f32::consts::TAU).rem_euclid(1.0);
+        let their_row = 1.0 - theirs.y.acos() / std::f32::consts::PI;
         assert!((u - their_u).abs() < 1e-6 && (row - their_row).abs() < 1e-6, "{theirs}: {u} {row}");
     }
 }

@@ -5,8 +5,7 @@ use crate::folder::Folder;
 use crate::pictures::assert_renders_again;
 use crate::seat::{Seat, options};
 use crate::waiting::wait_for;
-use octray::render::Methods;
-use octray::render::PipelineChoice;
+use octray::render::{Methods, PipelineChoice};
 use octray::scene::Loaded;
 use octray::tone::Tone;
 use octray::viewer::Options;
@@ -89,7 +88,7 @@ fn both_widths_are_measured_side_by_side() {
     let factor = rates.split_once("passes/s, ").unwrap().1.split_once('×').unwrap().0;
     assert!(factor.parse::<f64>().unwrap() > 1.0, "{}", seat.frame.figures);
     // With other equations nothing is the same.
-    seat.type_letters("xx");
+    (0..2).for_each(|_| seat.press(Key::Char('x')));
     wait(&mut seat, "a rate of one again", |frame| frame.figures.contains("L measures SIMD beside it"));
     seat.viewer.finish();
 }

@@ -1,6 +1,8 @@
 //! The picture that a front end of the viewer should show.
 
+use crate::folder::Folder;
 use crate::program::octray;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 
@@ -14,27 +16,26 @@ pub fn difference(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
     a.iter().zip(b).map(steps).sum::<u64>() as f64 / (3 * a.len()) as f64
 }
 
+/// Renders a scene into a file; `more` are options.
+fn render(scene: impl AsRef<OsStr>, file: &Path, more: &[&str]) {
+    let done = octray().arg("render").arg(scene).arg("-o").arg(file).args(more).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
 /// What `octray render` makes of a scene.
 pub fn rendered(scene: &str, size: &str, samples: u32) -> Bytes {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("picture.png");
-    let samples = samples.to_string();
-    let mut render = octray();
-    render.args(["render", scene, "--size", size, "--samples", &samples, "-o"]).arg(&file);
-    let done = render.output().unwrap();
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let folder = Folder::new();
+    let file = folder.path("picture.png");
+    render(scene, &file, &["--size", size, "--samples", &samples.to_string()]);
     image::open(file).unwrap().to_rgb8().pixels().map(|pixel| pixel.0).collect()
 }
 
 /// Asserts that the view of a screenshot gives the bytes of the pictures beside it.
 pub fn assert_renders_again(shot: &Path) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for extension in ["png", "exr"] {
-        let again = folder.path().join("again").with_extension(extension);
-        let mut render = octray();
-        render.arg("render").arg(shot.with_extension("json")).arg("-o").arg(&again);
-        let done = render.output().unwrap();
-        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let again = folder.path("again").with_extension(extension);
+        render(shot.with_extension("json"), &again, &[]);
         let [again, bytes] = [again, shot.with_extension(extension)].map(|file| fs::read(file).unwrap());
         assert!(again == bytes, "{}.{extension}: {} and {} bytes", shot.display(), bytes.len(), again.len());
     }

@@ -48,19 +48,15 @@ fn light_sampling_changes_no_expectation_at_a_third_of_the_noise() {
     compare_with_and_without(256, 24);
 }
 
-/// A dim sky with a sun of one texel, and dark rows below.
-fn sunny(filter: Filter) -> Texture {
+/// A floor under a dim sky with a sun of one texel, and dark rows below.
+fn under_the_sun(filter: Filter) -> Scene {
     let (width, height) = (37, 20);
     let mut texels: Vec<[f32; 4]> = (0..width * height)
         .map(|i| if i / width < 14 { [0.2 + 0.01 * (i % 7) as f32; 4] } else { [0.0; 4] })
         .collect();
     texels[(5 * width + 9) as usize] = [300.0, 250.0, 200.0, 0.0];
-    Texture { name: "sun".into(), width, height, filter, texels: Texels::Float32(texels) }
-}
-
-fn under_the_sun(filter: Filter) -> Scene {
     Scene {
-        textures: vec![sunny(filter)],
+        textures: vec![texture([width, height], filter, Texels::Float32(texels))],
         sky: Sky::Texture { texture: 0, color: Vec3::ONE, turn: 0.3 },
         ..floor(Vec3::ZERO, 2.0)
     }

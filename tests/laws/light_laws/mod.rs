@@ -33,8 +33,7 @@ pub fn polygon_irradiance(corners: &[DVec3]) -> DVec3 {
 }
 
 fn render(scene: &Scene, lights: LightChoice, samples: u32, seed: u32) -> Picture {
-    let methods = Methods { lights, ..Methods::default() };
-    crate::common::render(scene, Settings { methods, seed, ..Settings::of(scene) }, samples)
+    crate::common::render(scene, Settings { seed, ..with_lights(scene, lights) }, samples)
 }
 
 /// Lamps of both shapes and of all sizes over a floor that shines too: light found on the way from one of its

@@ -44,10 +44,6 @@ fn flat([a, b, c]: [DVec3; 3], is_quad: bool) -> FlatLight<f32> {
     FlatLight { a: vector(a), ab: vector(b - a), ac: vector(c - a), is_quad }
 }
 
-fn aim_at(corners: [DVec3; 3], u: f32, v: f32) -> LightSample<f32> {
-    primitives::flat::sample(&flat(corners, false), u, v)
-}
-
 /// Slivers are not asked for of parallelograms: in single precision they are others.
 fn flat_lights_give_lamberts_irradiance(
     rng: &mut Rng,
@@ -119,9 +115,9 @@ fn directions_within_a_triangle_are_spread_as_their_density_says() {
         }
         let total: f64 = cells.iter().map(|&cell| solid_angle(cell)).sum();
         let mut counts = vec![0.0; cells.len()];
-        let draws = 64 * 64 * 4;
+        let (draws, light) = (64 * 64 * 4, flat(corners, false));
         for _ in 0..draws {
-            let aim = aim_at(corners, rng.unit() as f32, rng.unit() as f32);
+            let aim = primitives::flat::sample(&light, rng.unit() as f32, rng.unit() as f32);
             let direction = double(aim.wi);
             // Down from quarter to quarter: the nearest is where the smallest of the three volumes is
             // largest.

@@ -31,11 +31,5 @@ pub fn wall(kind: MaterialKind) -> Scene {
 /// Texel (column, row) is (column, row, 1).
 pub fn numbered(width: u32, height: u32, filter: Filter) -> Texture {
     let texel = |i: u32| [(i % width) as f32, (i / width) as f32, 1.0, 0.0];
-    Texture {
-        name: "numbered".into(),
-        width,
-        height,
-        filter,
-        texels: Texels::Float32((0..width * height).map(texel).collect()),
-    }
+    texture([width, height], filter, Texels::Float32((0..width * height).map(texel).collect()))
 }

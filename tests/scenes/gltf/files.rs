@@ -2,12 +2,11 @@
 
 use super::super::coordinates::in_file;
 use super::{Loaded, glb, model, pictured, png, put, read, read_with, refused, square};
-use crate::folder::Folder;
+use crate::folder::{Folder, gltf_triangle};
 use glam::{Vec3, vec3};
-use octray::scene::{Filter, MaterialKind, convert_model, load};
+use octray::scene::{Filter, MaterialKind, convert_model};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::fs;
 
 #[test]
 fn conversion_writes_pictures_that_are_inside_the_model() {
@@ -18,16 +17,13 @@ fn conversion_writes_pictures_that_are_inside_the_model() {
         });
     });
     let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
-    let target = folder.path("deep/s.json");
-    let converted = convert_model(&path, &target).unwrap();
-    fs::create_dir(folder.path("deep")).unwrap();
+    let converted = convert_model(&path, &folder.path("deep/s.json")).unwrap();
     let names: Vec<_> = converted.pictures.iter().map(|(name, _)| name.to_str().unwrap()).collect();
     assert_eq!(names, ["s-1.png", "s-2.exr"]);
     for (name, content) in &converted.pictures {
-        fs::write(folder.path("deep").join(name), content).unwrap();
+        folder.write(&format!("deep/{}", name.display()), content);
     }
-    fs::write(&target, converted.text).unwrap();
-    let again = load(target.to_str().unwrap()).unwrap();
+    let again = folder.load("deep/s.json", converted.text).unwrap();
     assert_eq!((&scene.triangles, &scene.uvs, scene.camera), (&again.triangles, &again.uvs, again.camera));
     for (before, after) in scene.textures.iter().zip(&again.textures) {
         assert_eq!((&before.texels, Filter::Nearest), (&after.texels, after.filter), "one filter for all");
@@ -172,11 +168,7 @@ fn what_nobody_reads_refuses_no_model() {
 #[test]
 fn bytes_of_another_format_are_not_called_broken_json() {
     let folder = Folder::new();
-    let error = |name: &str, content: &[u8]| {
-        let path = folder.path(name);
-        fs::write(&path, content).unwrap();
-        load(path.to_str().unwrap()).unwrap_err().to_string()
-    };
+    let error = |name: &str, content: &[u8]| folder.load(name, content).unwrap_err().to_string();
     let neither = "neither binary, which begins with `glTF`, nor";
     for name in ["m.glb", "M.GLB"] {
         assert!(error(name, b"o model\nv 0 0 0\n").contains(&format!("{neither} JSON")));
@@ -214,13 +206,11 @@ fn a_text_file_names_buffers_and_pictures_beside_it() {
         json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
         json["materials"][0]["normalTexture"] = json!({ "index": 1 });
     });
-    let path = folder.path("m.gltf");
-    fs::write(&path, json.to_string()).unwrap();
-    let error = load(path.to_str().unwrap()).unwrap_err();
+    let error = folder.load("m.gltf", json.to_string()).unwrap_err();
     assert!(error.to_string().contains("buffers[0].uri") && error.to_string().contains("a b.bin"), "{error}");
     folder.write("a b.bin", square());
     folder.write("p.png", png());
-    let scene = load(path.to_str().unwrap()).unwrap();
+    let scene = folder.load("m.gltf", json.to_string()).unwrap();
     assert_eq!(scene.textures[0].name, "p.png");
     let warning = &scene.warnings[0];
     assert!(warning.contains("images[1]: the image is left out: no such file"), "{warning}");
@@ -228,15 +218,11 @@ fn a_text_file_names_buffers_and_pictures_beside_it() {
     assert_eq!(names, ["m.gltf", "a b.bin", "p.png", "gone.png"], "the viewer watches them");
     // As models from other machines name it.
     json["images"][0]["uri"] = json!("C:\\textures\\P.PNG");
-    fs::write(&path, json.to_string()).unwrap();
-    assert_eq!(load(path.to_str().unwrap()).unwrap().textures[0].name, "p.png");
+    assert_eq!(folder.load("m.gltf", json.to_string()).unwrap().textures[0].name, "p.png");
     // In a scene, placed, with its own or another material.
     let of = |mesh: Value| {
-        let text =
-            json!({ "format": "octray-1", "materials": { "red": { "type": "diffuse" } }, "meshes": [mesh] });
-        let path = folder.path("s.json");
-        fs::write(&path, text.to_string()).unwrap();
-        load(path.to_str().unwrap()).map(in_file)
+        let red = r#""materials": { "red": { "type": "diffuse" } }"#;
+        folder.load_keys(&format!(r#"{red}, "meshes": [{mesh}]"#)).map(in_file)
     };
     let placed = of(json!({ "model": "m.gltf", "scale": 2, "translate": [0, 0, 1] })).unwrap();
     assert_eq!(placed.triangles[0].vertices[2], vec3(2.0, 2.0, 1.0));
@@ -252,36 +238,25 @@ fn a_text_file_names_buffers_and_pictures_beside_it() {
 #[test]
 fn data_uris_byte_order_marks_and_unknown_chunks_are_read() {
     let folder = Folder::new();
-    let path = folder.path("m.gltf");
     let base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
     let percent = format!("{}%80%3f{}%80%3F{}", "%00".repeat(14), "%00".repeat(14), "%00".repeat(4));
     for uri in [
         format!("data:application/octet-stream;base64,{base64}"),
-        format!("data:;base64,{}\n{}", &base64[..9], &base64[9..]),
+        format!(r"data:;base64,{}\n{}", &base64[..9], &base64[9..]),
         format!("DATA:a/b;charset=x;BASE64,%41{}", &base64[1..]),
         format!("data:application/octet-stream,{percent}"),
         format!("data:,{percent}"),
     ] {
-        let json = json!({
-            "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0 }],
-            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
-            "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
-            "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
-            "buffers": [{ "uri": uri, "byteLength": 36 }]
-        });
-        fs::write(&path, format!("\u{feff}{json}")).unwrap();
-        let scene = load(path.to_str().unwrap()).unwrap();
+        let json = gltf_triangle(&uri, r#""materials": [{}]"#);
+        let scene = folder.load("m.gltf", format!("\u{feff}{json}")).unwrap();
         assert_eq!(scene.triangles[0].vertices, [Vec3::ZERO, Vec3::X, Vec3::Y]);
     }
     let mut bytes = glb(&model(|_| {}), &square());
-    let path = folder.path("m.glb");
-    fs::write(&path, &bytes[..bytes.len() - 144]).unwrap();
-    let error = load(path.to_str().unwrap()).unwrap_err().to_string();
+    let error = folder.load("m.glb", &bytes[..bytes.len() - 144]).unwrap_err().to_string();
     assert!(error.contains("the file is cut off"), "{error}");
     let at = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     bytes[..at].iter_mut().rev().take_while(|byte| **byte == b' ').for_each(|byte| *byte = 0);
     bytes.splice(at..at, *b"\x04\0\0\0XTRAabcd");
     bytes.extend(b"more than the header says");
-    fs::write(&path, bytes).unwrap();
-    assert_eq!(load(path.to_str().unwrap()).unwrap().triangles.len(), 2);
+    assert_eq!(folder.load("m.glb", bytes).unwrap().triangles.len(), 2);
 }

@@ -2,9 +2,8 @@
 
 use super::{Loaded, floats, material, model, pictured, push, put_colours, read_with, square};
 use glam::{DVec3, Vec2, Vec3, vec2, vec3};
-use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, convert_model, load};
+use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, convert_model};
 use serde_json::{Value, json};
-use std::fs;
 
 #[test]
 fn materials_are_those_of_the_standard() {
@@ -104,15 +103,12 @@ fn vertex_colours_multiply_and_survive_conversion() {
             let material = Material { name: String::new(), ..scene.materials[material as usize].clone() };
             (scene.textures.clone(), scene.uvs.clone(), material)
         };
-        let target = folder.path("s.json");
-        let text = convert_model(&path, &target).unwrap();
-        assert!(text.pictures.is_empty());
-        let text = text.text;
+        let converted = convert_model(&path, &folder.path("s.json")).unwrap();
+        assert!(converted.pictures.is_empty());
+        let text = converted.text;
         assert!(text.contains(r#""colors": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"#), "{text}");
         assert!(text.contains(&format!(r#""type":"{kind}""#)), "{text}");
-        fs::write(&target, text).unwrap();
-        let again = load(target.to_str().unwrap()).unwrap();
-        assert_eq!(shown(&scene), shown(&again));
+        assert_eq!(shown(&scene), shown(&folder.load("s.json", text).unwrap()));
     }
 }
 

@@ -6,9 +6,8 @@ mod materials;
 
 use super::coordinates::in_file;
 use crate::folder::Folder;
-use octray::scene::{Material, Scene, load};
+use octray::scene::{Material, Scene};
 use serde_json::{Value, json};
-use std::fs;
 use std::path::PathBuf;
 
 /// A binary file of a JSON text and a binary part.
@@ -100,10 +99,8 @@ struct Loaded {
 
 fn read_with(json: &Value, binary: &[u8]) -> Result<Loaded, String> {
     let folder = Folder::new();
-    let path = folder.path("m.glb");
-    fs::write(&path, glb(json, binary)).unwrap();
-    let scene = in_file(load(path.to_str().unwrap()).map_err(|error| error.to_string())?);
-    Ok(Loaded { scene, folder, path })
+    let scene = in_file(folder.load("m.glb", glb(json, binary)).map_err(|error| error.to_string())?);
+    Ok(Loaded { scene, path: folder.path("m.glb"), folder })
 }
 
 fn read(json: &Value) -> Scene {
@@ -143,9 +140,7 @@ fn pictured(change: impl FnOnce(&mut Value)) -> (Value, Vec<u8>) {
 /// The square's mesh on a node, in a scene that places the model.
 fn placed(json: &Value, binary: &[u8], placement: Value) -> Scene {
     let Loaded { folder, .. } = read_with(json, binary).unwrap();
-    let path = folder.path("s.json");
     let mut mesh = json!({ "model": "m.glb" });
     mesh.as_object_mut().unwrap().extend(placement.as_object().unwrap().clone());
-    fs::write(&path, json!({ "format": "octray-1", "meshes": [mesh] }).to_string()).unwrap();
-    in_file(load(path.to_str().unwrap()).unwrap())
+    in_file(folder.load_keys(&format!(r#""meshes": [{mesh}]"#)).unwrap())
 }

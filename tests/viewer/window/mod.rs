@@ -4,9 +4,10 @@
 //! tested, and it says so.
 
 mod screen;
+use crate::folder::Folder;
 use crate::pictures::{Bytes, assert_renders_again, difference, rendered};
 use crate::waiting::wait_for;
-use screen::{SIZE, SIZE_TEXT, Screen, Viewer};
+use screen::{SIZE, SIZE_TEXT, Viewer};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -27,17 +28,11 @@ fn wait_for_picture(viewer: &Viewer, what: &str, wanted: &Bytes) {
 fn wait_for_another(viewer: &Viewer, what: &str, than: &Bytes) -> Bytes {
     wait_for(what, || Some(viewer.picture()).filter(|picture| difference(picture, than) > OTHER))
 }
-/// Waits until the camera is where the scene has it.
-fn go_home(viewer: &Viewer, home: &Bytes) {
-    viewer.press("Home");
-    wait_for_picture(viewer, "home", home);
-}
 
 #[test]
 fn window_shows_what_render_writes_and_ends_when_it_is_closed() {
-    let Some(screen) = Screen::start() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let viewer = Viewer::start(&screen, folder.path(), &["builtin:three"]);
+    let folder = Folder::new();
+    let Some(viewer) = Viewer::start(&folder, "builtin:three") else { return };
     wait_for("its title", || (viewer.title() == "octray · builtin:three").then_some(()));
     assert_eq!(viewer.size(), [256, 144]);
     let wanted = rendered("builtin:three", SIZE_TEXT, SAMPLES);
@@ -57,24 +52,23 @@ fn window_shows_what_render_writes_and_ends_when_it_is_closed() {
 
 #[test]
 fn window_closes_when_the_program_is_told_to_end() {
-    let Some(screen) = Screen::start() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let viewer = Viewer::start(&screen, folder.path(), &["builtin:three"]);
+    let folder = Folder::new();
+    let Some(viewer) = Viewer::start(&folder, "builtin:three") else { return };
     viewer.tell_to_end();
     assert_eq!(viewer.end(), "");
 }
 
 #[test]
 fn keys_move_the_camera_and_show_views_and_help() {
-    let Some(screen) = Screen::start() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let viewer = Viewer::start(&screen, folder.path(), &["builtin:three"]);
+    let folder = Folder::new();
+    let Some(viewer) = Viewer::start(&folder, "builtin:three") else { return };
     viewer.press("i");
     let home = rendered("builtin:three", SIZE_TEXT, SAMPLES);
     wait_for_picture(&viewer, "the scene", &home);
     for key in ["w", "d", "space", "Left", "Up"] {
         viewer.hold(key, || wait_for_another(&viewer, key, &home));
-        go_home(&viewer, &home);
+        viewer.press("Home");
+        wait_for_picture(&viewer, "home", &home);
     }
     let mut before = home.clone();
     for digit in ["2", "3", "4", "6", "8", "0"] {
@@ -93,14 +87,12 @@ fn keys_move_the_camera_and_show_views_and_help() {
 
 #[test]
 fn scenes_follow_each_other_and_files_are_read_again_when_they_change() {
-    let Some(screen) = Screen::start() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let ball = folder.path().join("ball.json");
-    fs::write(&ball, scene([0.9, 0.1, 0.1])).unwrap();
-    let viewer = Viewer::start(&screen, folder.path(), &["builtin:three", "ball.json"]);
+    let folder = Folder::new();
+    let ball = folder.write("ball.json", scene([0.9, 0.1, 0.1]));
+    let Some(viewer) = Viewer::start(&folder, "builtin:three ball.json") else { return };
     viewer.press("i");
     let three = rendered("builtin:three", SIZE_TEXT, SAMPLES);
-    let red = rendered(ball.to_str().unwrap(), SIZE_TEXT, SAMPLES);
+    let red = rendered(&ball, SIZE_TEXT, SAMPLES);
     wait_for_picture(&viewer, "the first scene", &three);
     viewer.press("Next");
     wait_for("the second title", || (viewer.title() == "octray · ball.json").then_some(()));
@@ -112,31 +104,30 @@ fn scenes_follow_each_other_and_files_are_read_again_when_they_change() {
     viewer.press("Prior");
     wait_for_picture(&viewer, "the last scene", &red);
 
-    fs::write(&ball, scene([0.1, 0.2, 0.9])).unwrap();
-    let blue = rendered(ball.to_str().unwrap(), SIZE_TEXT, SAMPLES);
+    folder.write("ball.json", scene([0.1, 0.2, 0.9]));
+    let blue = rendered(&ball, SIZE_TEXT, SAMPLES);
     assert!(difference(&red, &blue) > OTHER);
     wait_for_picture(&viewer, "the scene as its file has become", &blue);
     let yellow = || count(&viewer, [255, 255, 0]);
     assert_eq!(yellow(), 0);
-    fs::write(&ball, "{ \"format\": \"octray-1\",").unwrap();
+    folder.write("ball.json", "{ \"format\": \"octray-1\",");
     wait_for("an error", || (yellow() > 200).then_some(()));
     // Below the text.
     let lower = SIZE[0] * SIZE[1] * 2 / 3;
     assert!(difference(&viewer.picture()[lower..], &blue[lower..]) < SAME, "what was there before stays");
-    fs::write(&ball, scene([0.9, 0.1, 0.1])).unwrap();
+    folder.write("ball.json", scene([0.9, 0.1, 0.1]));
     wait_for_picture(&viewer, "the scene as it was mended", &red);
     assert_eq!(yellow(), 0, "the error is over");
 }
 
 #[test]
 fn screenshots_are_rendered_again_byte_by_byte() {
-    let Some(screen) = Screen::start() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let shots = folder.path().join("shots");
+    let folder = Folder::new();
+    let shots = folder.path("shots");
     fs::create_dir(&shots).unwrap();
-    fs::write(folder.path().join("ball.json"), scene([0.9, 0.5, 0.1])).unwrap();
-    let arguments = ["ball.json", "builtin:three", "--seed", "7", "--screenshots", "shots"];
-    let viewer = Viewer::start(&screen, folder.path(), &arguments);
+    folder.write("ball.json", scene([0.9, 0.5, 0.1]));
+    let arguments = "ball.json builtin:three --seed 7 --screenshots shots";
+    let Some(viewer) = Viewer::start(&folder, arguments) else { return };
     viewer.press("i");
 
     viewer.press("Tab");
@@ -179,10 +170,8 @@ fn screenshots_are_rendered_again_byte_by_byte() {
 
 #[test]
 fn a_number_of_frames_ends_with_figures_of_them() {
-    let Some(screen) = Screen::start() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let arguments = ["builtin:three", "--frames", "400", "--json"];
-    let viewer = Viewer::start(&screen, folder.path(), &arguments);
+    let folder = Folder::new();
+    let Some(viewer) = Viewer::start(&folder, "builtin:three --frames 400 --json") else { return };
     let report: Value = serde_json::from_str(&viewer.end()).unwrap();
     let number = |name: &str| report[name].as_f64().unwrap_or_else(|| panic!("{name}: {report}"));
     assert_eq!((&report["schema"], &report["front_end"]), (&"octray-window-1".into(), &"window".into()));

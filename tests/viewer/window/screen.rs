@@ -1,12 +1,12 @@
 //! A display of the test's own, whose pixels can be read, and the program on it.
 
+use crate::folder::Folder;
 use crate::pictures::Bytes;
 use crate::program::{PROGRAM, away_from_home, send_signal};
 use crate::skipped::skip;
 use crate::waiting::wait_for;
 use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use tempfile::TempDir;
 
@@ -15,8 +15,13 @@ pub const SIZE: [usize; 2] = [64, 36];
 pub const SIZE_TEXT: &str = "64x36";
 const ENLARGED: usize = 4;
 
+/// Columns and rows, row by row.
+fn places([width, height]: [usize; 2]) -> impl Iterator<Item = (usize, usize)> {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
 /// A screen that nobody sees.
-pub struct Screen {
+struct Screen {
     server: Child,
     display: String,
     /// Where the server keeps the screen, as `xwd` would save it.
@@ -24,21 +29,11 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// `None`, and a word about it, where the programs for it are not installed.
-    pub fn start() -> Option<Self> {
+    /// Returns `None` and says so where the programs for it are not installed.
+    fn start() -> Option<Self> {
         let folder = tempfile::tempdir().unwrap();
         let mut server = Command::new("Xvfb");
-        server.args([
-            "-displayfd",
-            "1",
-            "-noreset",
-            "-nolisten",
-            "tcp",
-            "-screen",
-            "0",
-            "640x480x24",
-            "-fbdir",
-        ]);
+        server.args("-displayfd 1 -noreset -nolisten tcp -screen 0 640x480x24 -fbdir".split(' '));
         server.arg(folder.path()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut server = found("Xvfb", server.spawn())?;
         let mut number = String::new();
@@ -51,7 +46,7 @@ impl Screen {
 
     /// A program that this screen is the display of. The environment speaks of another one as well, which is
     /// over: it is to be passed over.
-    pub fn command(&self, program: &str) -> Command {
+    fn command(&self, program: &str) -> Command {
         let mut command = away_from_home(program);
         command.env("DISPLAY", &self.display).env("WAYLAND_DISPLAY", "over");
         command
@@ -65,7 +60,7 @@ impl Screen {
     }
 
     /// The corner of the screen where the window is: no window manager puts it anywhere else.
-    fn corner(&self, [width, height]: [usize; 2]) -> Bytes {
+    fn corner(&self, size: [usize; 2]) -> Bytes {
         let dump = fs::read(self.folder.path().join("Xvfb_screen0")).unwrap();
         // Big-endian words: 0 size of the header, 7 byte order of pixels (0: the least significant first), 11
         // bits a pixel, 12 bytes a row, 19 colours, of 12 bytes each, that stand before the pixels.
@@ -79,7 +74,7 @@ impl Screen {
             let [_, r, g, b] = pixel.to_be_bytes();
             [r, g, b]
         };
-        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect()
+        places(size).map(|(x, y)| pixel(x, y)).collect()
     }
 }
 
@@ -101,31 +96,33 @@ fn found<T>(program: &str, ran: std::io::Result<T>) -> Option<T> {
     }
 }
 
-/// The program, and its window.
-pub struct Viewer<'a> {
-    screen: &'a Screen,
+/// The program, and its window on a screen of its own.
+pub struct Viewer {
+    screen: Screen,
     program: Child,
     window: String,
 }
 
-impl<'a> Viewer<'a> {
-    /// Starts it in a folder, and waits for the window to be there and hear keys.
-    pub fn start(screen: &'a Screen, folder: &Path, arguments: &[&str]) -> Self {
+impl Viewer {
+    /// Starts it in a folder, and waits for the window to be there and hear keys; `None`, and a word about
+    /// it, where there is no screen.
+    pub fn start(folder: &Folder, arguments: &str) -> Option<Self> {
+        let screen = Screen::start()?;
         let mut command = screen.command(PROGRAM);
-        command.args(["view", "--size", SIZE_TEXT, "--threads", "1"]).args(arguments).current_dir(folder);
-        let program = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        command.args(["view", "--size", SIZE_TEXT, "--threads", "1"]).args(arguments.split(' '));
+        command.current_dir(folder.path("")).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let program = command.spawn().unwrap();
         let mut viewer = Self { screen, program, window: String::new() };
         viewer.window = wait_for("a window", || {
             assert_eq!(viewer.program.try_wait().unwrap(), None, "the program ended");
-            let found = screen.try_xdotool(&["search", "--onlyvisible", "--name", "^octray"])?;
+            let found = viewer.screen.try_xdotool(&["search", "--onlyvisible", "--name", "^octray"])?;
             found.lines().last().map(String::from)
         });
-        let window = &viewer.window;
         wait_for("a window that hears keys", || {
-            screen.try_xdotool(&["windowfocus", window])?;
-            (screen.try_xdotool(&["getwindowfocus", "-f"])? == *window).then_some(())
+            viewer.screen.try_xdotool(&["windowfocus", &viewer.window])?;
+            (viewer.screen.try_xdotool(&["getwindowfocus", "-f"])? == viewer.window).then_some(())
         });
-        viewer
+        Some(viewer)
     }
 
     fn xdotool(&self, arguments: &[&str]) -> String {
@@ -160,7 +157,7 @@ impl<'a> Viewer<'a> {
     pub fn picture(&self) -> Bytes {
         let (pixels, across) = (self.pixels(), SIZE[0] * ENLARGED);
         let at = |x: usize, y: usize| pixels[(ENLARGED * y + 1) * across + ENLARGED * x + 1];
-        (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))).map(|(x, y)| at(x, y)).collect()
+        places(SIZE).map(|(x, y)| at(x, y)).collect()
     }
 
     /// Asks the window to close, or, with an xdotool that cannot ask, takes it away.
@@ -184,7 +181,7 @@ impl<'a> Viewer<'a> {
     }
 }
 
-impl Drop for Viewer<'_> {
+impl Drop for Viewer {
     fn drop(&mut self) {
         let _ = self.program.kill();
         let _ = self.program.wait();

@@ -177,12 +177,6 @@ impl Accumulation {
         let settled = self.progressive && self.pose_since.elapsed() >= SETTLE_TIME;
         self.resolution.adapt(target, needed, settled);
     }
-
-    /// Completes a partial pass, so that all pixels have the same number of samples, at least one.
-    pub fn equalize_samples(&mut self, renderer: &Renderer) {
-        let uneven = self.film.most_samples().max(1) - self.film.samples();
-        renderer.add_samples(&mut self.film, uneven);
-    }
 }
 
 #[cfg(test)]

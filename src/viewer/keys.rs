@@ -125,13 +125,15 @@ fn short_help(width: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::render::LaneChoice;
+    use octray_engine::render::Settings;
+    use octray_engine::scene::Scene;
     use octray_engine::tone::Tone;
     use std::collections::HashSet;
 
     /// The settings after these letters.
     fn after(letters: &str) -> Controls {
-        let mut controls = Controls::new(4, 6, LaneChoice::Eight, Tone::default());
+        let settings = Settings { threads: 6, ..Settings::of(&Scene::default()) };
+        let mut controls = Controls::new(&settings, Tone::default());
         for letter in letters.chars() {
             let Some(Step(change) | Switch(change)) = action_of(Char(letter)) else { panic!("{letter}") };
             change(&mut controls);

@@ -45,15 +45,6 @@ pub enum WindowError {
     NoSurface(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// Time spent on showing frames.
-#[derive(Clone, Debug, Default)]
-pub struct Presented {
-    /// Frames drawn, fewer than published if the display is slower.
-    pub frames: u64,
-    /// Time of scaling them, drawing their text, and presenting them.
-    pub time: Duration,
-}
-
 /// An event of the window's loop: a frame is ready.
 struct FrameReady;
 
@@ -61,11 +52,7 @@ struct FrameReady;
 ///
 /// # Errors
 /// If no display answers, or the window cannot be drawn in.
-pub fn window(
-    options: Options,
-    playlist: Playlist,
-    scene: Loaded,
-) -> Result<(Summary, Presented), WindowError> {
+pub fn window(options: Options, playlist: Playlist, scene: Loaded) -> Result<Summary, WindowError> {
     let mut builder = EventLoop::with_user_event();
     #[cfg(target_os = "linux")]
     if !wayland::is_available() {
@@ -74,7 +61,7 @@ pub fn window(
     let events = builder.build().map_err(|_| no_display())?;
     let context = softbuffer::Context::new(events.owned_display_handle()).map_err(no_surface)?;
     let proxy = events.create_proxy();
-    let size = options.size.unwrap_or(scene.resolution);
+    let size = (options.settings)(&scene).resolution;
     let wake = Arc::new(move || {
         // Sending fails only after the event loop has ended.
         let _ = proxy.send_event(FrameReady);
@@ -91,7 +78,7 @@ pub fn window(
         window_size: PhysicalSize::default(),
         title: String::new(),
         mouse_captured: false,
-        presented: Presented::default(),
+        presented: (0, Duration::ZERO),
         failure: None,
     };
     events.run_app(&mut app).map_err(|_| no_display())?;
@@ -99,7 +86,7 @@ pub fn window(
     let summary = viewer.finish();
     match failure {
         Some(failure) => Err(failure),
-        None => Ok((summary, presented)),
+        None => Ok(Summary { presented: Some(presented), ..summary }),
     }
 }
 
@@ -160,7 +147,8 @@ struct App {
     title: String,
     /// Whether the mouse is captured.
     mouse_captured: bool,
-    presented: Presented,
+    /// See [`Summary::presented`].
+    presented: (u64, Duration),
     failure: Option<WindowError>,
 }
 
@@ -202,8 +190,8 @@ impl App {
         window_text::draw(&self.frame, canvas);
         buffer.present().map_err(no_surface)?;
         if fresh {
-            self.presented.frames += 1;
-            self.presented.time += start.elapsed();
+            self.presented.0 += 1;
+            self.presented.1 += start.elapsed();
             if self.title != self.frame.title {
                 self.title.clone_from(&self.frame.title);
                 surface.window().set_title(&format!("octray · {}", self.title));

@@ -252,13 +252,6 @@ pub fn doubt(results: &[Measurement]) -> Option<(&'static str, String)> {
     })
 }
 
-/// Returns the doubt as a clause; a debug build is the first.
-fn unreliable(report: &Report) -> String {
-    let debug = cfg!(debug_assertions).then_some("of a debug build");
-    let why = debug.or_else(|| doubt(&report.results).map(|(why, _)| why));
-    why.map(|why| format!(", {why}: not reliable")).unwrap_or_default()
-}
-
 /// Returns a width and a number of threads in words.
 pub fn engine_name(lanes: usize, threads: usize) -> String {
     format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
@@ -288,11 +281,13 @@ pub fn summary(report: &Report, defaults: &RunSettings) -> String {
         none if none.is_empty() => none,
         options => format!("; {options}"),
     };
+    let debug = cfg!(debug_assertions).then_some("of a debug build");
+    let why = debug.or_else(|| doubt(&report.results).map(|(why, _)| why));
     let machine = &report.settings.machine;
     format!(
         "\noctray bench: {}{}{wrong}; {}{options}; {}, commit {}\n",
         rates.collect::<Vec<_>>().join(", "),
-        unreliable(report),
+        why.map(|why| format!(", {why}: not reliable")).unwrap_or_default(),
         engine_name(first.lanes, first.threads),
         machine.cpu,
         machine.commit

@@ -68,7 +68,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if let Some(pixel) = options.pixel {
         return print_path(&options, pixel, out);
     }
-    let scene = scenes::load(&options.scene)?;
+    let scene = scenes::load(&options.scene, false)?;
     let inspection = Inspection::of(options.scene.to_string_lossy().into_owned(), &scene);
     out.text(&inspection.text(options.why))?;
     out.end(&inspection, !inspection.is_valid())

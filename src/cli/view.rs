@@ -82,16 +82,13 @@ impl Options {
     /// Returns the viewer's options. Seed, tone and pipeline are those of its first scene; size, bounces and
     /// methods are those of each scene.
     fn viewer(&self, first: &Loaded) -> viewer::Options {
-        let (picture, of_first) = (self.picture, self.picture.settings(first));
-        let settings = move |scene: &Loaded| Settings {
-            resolution: picture.size.unwrap_or(scene.resolution),
-            max_bounces: picture.bounces.unwrap_or(scene.max_bounces),
-            methods: picture.methods(scene),
-            ..of_first
-        };
+        let Settings { seed, pipeline, clamp, threads, .. } = self.picture.settings(first);
+        let mut picture = self.picture;
+        picture.threads = Some(threads);
+        let settings = move |scene: &Loaded| Settings { seed, pipeline, clamp, ..picture.settings(scene) };
         viewer::Options {
             settings: Box::new(settings),
-            max_threads: machine::cores().max(of_first.threads),
+            max_threads: machine::cores().max(threads),
             tone: picture.tone(first),
             target: self.target_fps,
             renderer: methods::renderer,

@@ -33,15 +33,6 @@ pub fn of_scene(scene: &SceneChart, seeds: u32) -> [Drawing; 6] {
     figures.map(|(of, figure)| Drawing { name: format!("{name}-{of}"), svg: figure.svg() })
 }
 
-/// Returns the title of a group's panel.
-fn title(group: Group) -> &'static str {
-    match group {
-        Group::Sampling => "Sampling",
-        Group::Speed => "The same picture at another speed",
-        Group::NotRobust => "Methods that are not robust",
-    }
-}
-
 /// Returns the number of a configuration, which gives it one colour in all drawings; 0 is the default's.
 fn number(configuration: &str) -> usize {
     let mut names = GROUPS.into_iter().flat_map(|(_, named)| named);
@@ -62,7 +53,11 @@ fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
     let shared = Line { name, look: Look::Front, points, ..Line::default() };
     let panels = GROUPS.into_iter().filter(|(group, _)| of(Some(*group)).next().is_some());
     let panels = panels.map(|(group, _)| Panel {
-        title: title(group).into(),
+        title: match group {
+            Group::Sampling => "Sampling".into(),
+            Group::Speed => "The same picture at another speed".into(),
+            Group::NotRobust => "Methods that are not robust".into(),
+        },
         lines: std::iter::once(shared.clone()).chain(of(None)).chain(of(Some(group))).collect(),
     });
     let [width, height] = scene.size;

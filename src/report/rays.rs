@@ -15,7 +15,7 @@ use crate::scene::Scene;
 use crate::traverse::Traversal;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 const SCHEMA: &str = "octray-rays-1";
 /// The keys that identify a row of the results.
@@ -94,10 +94,9 @@ impl Report {
     /// Adds the ratios to an earlier report, and what differs in it.
     pub fn compare(&mut self, baseline: &Value) {
         let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
-        let parts = |report: &Value| {
-            let [settings, scene, triangles, spheres] =
-                ["settings", "scene", "triangles", "spheres"].map(|key| &report[key]);
-            json!({ "settings": settings, "scene": scene, "triangles": triangles, "spheres": spheres })
+        let parts = |report: &Value| -> Value {
+            let keys = ["settings", "scene", "triangles", "spheres"];
+            keys.into_iter().map(|key| (key, report[key].clone())).collect()
         };
         self.baseline_differences = Some(differences(&parts(&json(self)), &parts(baseline)));
         for new in &mut self.results {

@@ -5,7 +5,7 @@ use super::settings::{as_options, json};
 use super::text::item;
 use crate::buffers::Features;
 use crate::lights::{EnvironmentLight, LightChoice, Lights};
-use crate::render::features_of;
+use crate::render::{TraversalChoice, features_of};
 use crate::scene::{
     Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, point_in_file,
 };
@@ -116,6 +116,7 @@ struct ViewReport {
 impl Inspection {
     pub fn of(spec: String, scene: &Loaded) -> Self {
         let traversal = TraversalReport::of(scene);
+        let has_hierarchy = traversal.primary != TraversalChoice::Linear.name();
         let lights = Lights::new(scene, LightChoice::default());
         let in_file = |point| point_in_file(point, &scene.coordinates).into();
         let is_smooth = |normals: &&[Vec3; 3]| normals.iter().any(|normal| *normal != Vec3::ZERO);
@@ -147,7 +148,7 @@ impl Inspection {
             needs: Features::of(scene).with(features_of(scene)).with(lights.needs()).names(),
             lights: LightReport::of(scene, &lights),
             memory_bytes: memory(scene),
-            hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),
+            hierarchy: has_hierarchy.then(|| HierarchyReport::of(scene)),
             traversal,
             defaults: DefaultReport::all(scene),
             warnings: scene.warnings.clone(),

@@ -8,7 +8,7 @@ use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
 use crate::rays::Kind;
-use crate::render::{LaneChoice, Methods, TraversalChoice, features_of};
+use crate::render::{LaneChoice, Methods, features_of};
 use crate::scene::Scene;
 use crate::traverse::MAX_LIST_COST;
 use crate::wording::{counted, grouped};
@@ -19,7 +19,7 @@ use serde::Serialize;
 #[derive(Debug, Serialize)]
 pub struct TraversalReport {
     /// The traversal of camera rays, as `--traversal` names it.
-    primary: &'static str,
+    pub primary: &'static str,
     /// The traversal of rays after a bounce.
     bounces: &'static str,
     /// Cost of testing every primitive, per ray, in units of a sphere test.
@@ -54,11 +54,6 @@ impl TraversalReport {
             linear_cost: scene.counts().list_cost(),
             most_linear_cost: MAX_LIST_COST,
         }
-    }
-
-    /// Tests whether rays traverse a hierarchy.
-    pub fn needs_hierarchy(&self) -> bool {
-        self.primary != TraversalChoice::Linear.name()
     }
 
     pub fn text(&self) -> String {

@@ -31,7 +31,6 @@ const PER_SCENE: Duration = Duration::from_secs(2);
 /// Measuring time of the slowest engine of a program that another is compared with, in each of the rounds.
 const A_TURN: Duration = Duration::from_millis(250);
 const PROGRAM_ROUNDS: usize = 10;
-/// Most measured frames.
 const MAX_FRAMES: u32 = 1_000_000;
 
 /// Measure frames per second, SIMD beside scalar.

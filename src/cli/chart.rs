@@ -29,7 +29,6 @@ const KERNELS_MOST: Duration = Duration::from_secs(10);
 const WRITING: Duration = Duration::from_millis(500);
 /// The budget of each scene without `--budget`.
 const A_SCENE: Duration = Duration::from_secs(20);
-/// Most seeds.
 const MAX_SEEDS: u32 = 1_000;
 
 /// Chart speed against accuracy.

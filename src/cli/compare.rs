@@ -79,7 +79,6 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if options.hash { hash(&options, scenes, out) } else { compare_all(&options, scenes, out) }
 }
 
-/// Prints a hash of each scene's film.
 fn hash(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCode, CliError> {
     let mut report = HashReport { schema: "octray-hash-1", fused: FUSED, results: Vec::new() };
     let rounding = if FUSED { "fused" } else { "plain" };

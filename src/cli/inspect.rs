@@ -74,7 +74,6 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     out.end(&inspection, !inspection.is_valid())
 }
 
-/// Prints a path.
 fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitCode, CliError> {
     let (sample, (scene, settings)) = (options.sample, options.frame.load(&options.scene, 0)?);
     let Settings { resolution, max_bounces, seed, methods, .. } = settings;

@@ -196,7 +196,6 @@ pub fn keep_files(jobs: &[Job], of_scene: &[PathBuf]) -> Result<(), CliError> {
     keep_inputs(of_scene, outputs)
 }
 
-/// Largest number of a frame.
 const MAX_FRAME: u32 = 9_999_999;
 /// Most shards: more than there are machines, and fewer than tiles in most pictures.
 const MAX_SHARDS: u32 = 65_536;

@@ -13,7 +13,6 @@ use crate::measure::chart::{SceneChart, display, motion, pictures};
 use crate::measure::quantiles::Spread;
 use crate::wording::counted;
 
-/// An error measure.
 type ErrorOf = fn(&Point) -> Spread;
 /// The name of the axis of the usual one.
 const RMSE: &str = "root mean square error (radiance)";

@@ -32,7 +32,6 @@ pub struct Inspection {
     /// How many there are of each type, used or not; then emissive and textured ones of any type.
     #[serde(serialize_with = "as_map")]
     materials: Vec<(&'static str, usize)>,
-    /// Textures in the order of the scene.
     textures: Vec<TextureReport>,
     sky: SkyReport,
     /// The point of the file relative to which coordinates are rounded, and a length of 1 in single
@@ -44,7 +43,6 @@ pub struct Inspection {
     bounds: Option<Bounds>,
     /// Features that the scene's pipeline must have.
     needs: Vec<&'static str>,
-    /// The lights that next event estimation samples.
     lights: LightReport,
     /// Bytes of the scene's lists and texels, without buffers and hierarchy.
     memory_bytes: usize,
@@ -53,7 +51,6 @@ pub struct Inspection {
     /// The default methods that matter to this scene.
     defaults: Vec<DefaultReport>,
     hierarchy: Option<HierarchyReport>,
-    /// The loader's warnings, a sentence each.
     warnings: Vec<String>,
 }
 

@@ -34,7 +34,6 @@ small { color: #555 }
 @media print { figure svg { min-width: 0; max-height: 12cm } figure, table { break-inside: avoid } body { max-width: none; font-size: 10px } table { font-size: 7px } th, td { padding: 0.1rem 0.3rem } }
 ";
 
-/// The words of the page.
 const WORDS: [(&str, &str); 17] = [
     ("ground truth", "a picture of so many samples that its own error is small"),
     (

@@ -8,7 +8,6 @@ use crate::wording::{counted, grouped};
 /// Most bounces that a table shows; the JSON report has all.
 const MOST_BOUNCES: usize = 12;
 
-/// The terms of the tables.
 const TESTS: &str = "\
 A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the number of \
 steps, each of up to one test a lane at once. Traversals of a hierarchy have the machine's lanes, whatever \

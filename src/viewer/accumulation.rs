@@ -42,9 +42,7 @@ pub struct Accumulation {
     due: Instant,
     /// Duration of the last complete pass.
     pass_time: Duration,
-    /// Duration of painting the last frame.
     painting_time: Duration,
-    /// When the pose last changed.
     pose_since: Instant,
 }
 

@@ -39,7 +39,6 @@ pub enum Motion {
 pub struct CameraController {
     /// The scene's camera.
     home: Camera,
-    /// The scene's coordinates.
     coordinates: Coordinates,
     camera: Camera,
     position: DVec3,

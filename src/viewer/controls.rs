@@ -36,7 +36,6 @@ pub const PRESETS: [(&str, SphereChoice, TriangleChoice); 2] = [
     ("naive", SphereChoice::Naive, TriangleChoice::MollerTrumbore),
 ];
 
-/// Bounds of [`Controls::scale`].
 const SCALES: [i32; 2] = [-8, 6];
 /// Most pixels that a key can choose: 3840×2160, about 1.5 GB.
 const MAX_PIXELS: f64 = 3840.0 * 2160.0;

@@ -10,7 +10,6 @@ type Job<T> = Box<dyn FnOnce() -> T + Send>;
 
 /// A runner of one job at a time. Only the last requested job has a result; it supersedes earlier ones.
 pub struct Loader<T> {
-    /// The receiver of the running job's result.
     running: Option<Receiver<T>>,
     /// The job that runs after it.
     next: Option<Job<T>>,

@@ -167,12 +167,10 @@ impl Painter {
     }
 }
 
-/// Sets each pixel to the colour of its value.
 fn fill<T>(pixels: &mut [u32], values: &[T], color: impl Fn(&T) -> u32) {
     pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = color(value));
 }
 
-/// Sets each pixel to the colour of its AOVs.
 fn fill_from_aovs(pixels: &mut [u32], aovs: &Aovs, color: impl Fn(&AovSample) -> u32) {
     let width = aovs.resolution()[0] as usize;
     for (at, pixel) in pixels.iter_mut().enumerate() {

@@ -26,14 +26,12 @@ use std::sync::atomic::Ordering::{Acquire, Release};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long a message is shown.
 const MESSAGE_TIME: Duration = Duration::from_secs(6);
 /// Samples per pixel of the picture that is diagnosed.
 const DIAGNOSED_SAMPLES: u32 = 16;
 /// Most warnings of a scene that are shown.
 const MAX_WARNINGS: usize = 4;
 
-/// A scene with its renderer.
 type SceneRenderer = (Arc<Loaded>, Renderer);
 
 /// State of the render thread.
@@ -61,7 +59,6 @@ pub struct RenderLoop {
     /// A time before the last scene was read.
     read: SystemTime,
     screenshot_requested: bool,
-    /// Whether the scene's first picture was diagnosed.
     diagnosed: bool,
 }
 
@@ -272,7 +269,6 @@ impl RenderLoop {
         });
     }
 
-    /// Sets the renderer's pose from the state.
     fn update_pose(&mut self, renderer: &mut Renderer) {
         let requested = (self.options.settings)(&self.scene).resolution;
         let pose = Pose {
@@ -285,7 +281,6 @@ impl RenderLoop {
         }
     }
 
-    /// Paints a frame and publishes it.
     fn publish_frame(&mut self, renderer: &Renderer) {
         let start = Instant::now();
         let busy = self.loader.is_busy();

@@ -45,7 +45,6 @@ pub enum WindowError {
     NoSurface(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// An event of the window's loop: a frame is ready.
 struct FrameReady;
 
 /// Opens a window, and returns the figures of the render loop and of the window once it is closed.
@@ -143,9 +142,7 @@ struct App {
     frame: Frame,
     /// The window's size at the last event: querying a closed window panics.
     window_size: PhysicalSize<u32>,
-    /// The title that the window shows.
     title: String,
-    /// Whether the mouse is captured.
     mouse_captured: bool,
     /// See [`Summary::presented`].
     presented: (u64, Duration),
@@ -205,7 +202,6 @@ impl App {
     }
 }
 
-/// Captures the mouse, or releases it.
 fn capture_mouse(window: &Window, captured: bool) {
     let mode = if captured { CursorGrabMode::Locked } else { CursorGrabMode::None };
     if window.set_cursor_grab(mode).is_err() && captured {

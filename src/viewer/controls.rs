@@ -43,7 +43,7 @@ const MAX_PIXELS: f64 = 3840.0 * 2160.0;
 const MAX_STOPS: f32 = 20.0;
 
 /// The present settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Controls {
     /// Scattering events allowed on a path.
     pub bounces: u32,
@@ -78,22 +78,14 @@ impl Controls {
         let scalar = lanes == 1;
         Self {
             bounces: max_bounces,
-            scale: 0,
-            target: None,
             threads,
             max_threads: threads,
             lanes: if scalar { LaneChoice::Auto.lanes() } else { lanes },
             scalar,
-            preset: None,
-            traversal: None,
             tone,
-            mode: DisplayMode::default(),
             reprojection: true,
-            filter: Filter::default(),
-            denoiser: false,
-            minimap: false,
             overlay: true,
-            help: false,
+            ..Self::default()
         }
     }
 

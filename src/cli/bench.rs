@@ -13,7 +13,7 @@ use crate::methods;
 use crate::render::LaneChoice;
 use crate::report::baseline::{Baseline, over_rounds, text as over_baseline};
 use crate::report::bench::{
-    Against, MeasuredScene, Report, doubt, heading, meaning, ratios, row, stats_of, summary,
+    Against, MeasuredScene, Report, SCHEMA, doubt, heading, meaning, ratios, row, stats_of, summary,
 };
 use crate::report::settings::{RunSettings, differences, json, own_size};
 use crate::scene::bench_names;
@@ -109,7 +109,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let second = options.against.as_deref().map(|words| engines.with(words)).transpose()?;
     let bytes = COMPARE_BYTES_PER_PIXEL * if second.is_some() { 2 } else { 1 };
     iter::once(engines).chain(&second).try_for_each(|one| one.frame.check(bytes))?;
-    let mut report = Report::new(options.run_settings());
+    let mut report = Report { schema: SCHEMA, settings: options.run_settings(), ..Report::default() };
     let defaults = Options::parse_from(["bench"]).run_settings();
     let (mut failed, mut own) = (false, Vec::new());
     let scenes = scenes::checked(&options.scenes, bench_names())?;

@@ -111,8 +111,8 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
         "f32": of_engine,
         "settings": settings::json(&RunSettings::of_picture(&settings)),
     });
-    let own: Vec<String> = settings::own_size(&scene, &settings).into_iter().collect();
-    out.text(&(path::text(&report, &scene) + &settings::own_sizes(&own)))?;
+    let own = settings::own_size(&scene, &settings);
+    out.text(&(path::text(&report, &scene) + &settings::own_sizes(own.as_slice())))?;
     out.end(&report, false)
 }
 

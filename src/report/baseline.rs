@@ -64,7 +64,9 @@ impl Baseline {
         let mut ratios = Vec::new();
         for (scene, results) in report.scenes.iter().zip(report.engines()) {
             let Some((old_scene, olds)) = self.speeds(scene) else { continue };
-            found.extend(scene.differences(old_scene));
+            let of_content = differences(&json(&scene.content), &json(&old_scene.content));
+            let named = |(name, values)| (format!("{name} of {}", scene.scene), values);
+            found.extend(of_content.into_iter().map(named));
             let like = |engine| olds.iter().find(|old| old.engine() == engine);
             let mut pairs: Vec<_> =
                 results.iter().filter_map(|new| Some((new, like([new.lanes, new.threads])?))).collect();

@@ -2,8 +2,8 @@
 
 use super::compare::agreement;
 use super::numbers::{figure, mark, ratio};
-use super::settings::{Differences, RunSettings, differences, in_words, json, own_sizes, traversals};
-use super::stats::{self, engine};
+use super::settings::{Differences, RunSettings, in_words, own_sizes, traversals};
+use super::stats::{self, engine, engine_name};
 use super::text::{self, paragraph};
 use crate::checkpoint::Fingerprint;
 use crate::lane::WIDTHS;
@@ -56,12 +56,6 @@ impl MeasuredScene {
     pub fn of(scene: &Scene, settings: &Settings) -> Self {
         let (size, bounces) = (settings.resolution, settings.max_bounces);
         Self { scene: scene.name.clone(), size, bounces, content: Fingerprint::from_scene(scene) }
-    }
-
-    /// Returns the differences, each with the scene's name.
-    pub fn differences(&self, other: &Self) -> Differences {
-        let found = differences(&json(&self.content), &json(&other.content));
-        found.into_iter().map(|(name, values)| (format!("{name} of {}", self.scene), values)).collect()
     }
 }
 
@@ -131,11 +125,6 @@ pub fn table(meaning: &str, ratios: &[Over]) -> String {
 }
 
 impl Report {
-    /// Builds a report without figures.
-    pub fn new(settings: RunSettings) -> Self {
-        Self { schema: SCHEMA, settings, ..Self::default() }
-    }
-
     /// Returns the results of each scene: all have the same engines.
     pub fn engines(&self) -> impl Iterator<Item = &[Measurement]> {
         let engines = self.results.len() / self.accuracy.len().max(1);
@@ -252,11 +241,6 @@ pub fn doubt(results: &[Measurement]) -> Option<(&'static str, String)> {
     })
 }
 
-/// Returns a width and a number of threads in words.
-pub fn engine_name(lanes: usize, threads: usize) -> String {
-    format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
-}
-
 /// Returns the tables of `--stats`: one a scene with a column an engine, and what they mean.
 pub fn stats_of(report: &Report) -> String {
     let tables = report.engines().map(|of_scene| {
@@ -339,7 +323,8 @@ mod tests {
         let mut report = Report {
             results: [engines(times(7.0), times(2.0)), engines(times(6.0), None)].concat(),
             accuracy: vec![Comparison::default(); 2],
-            ..Report::new(RunSettings::of(Methods::default()))
+            settings: RunSettings::of(Methods::default()),
+            ..Report::default()
         };
         report.results[3].speedup.as_mut().unwrap().reliability.reliable = false;
         let rows = ratios(&report);

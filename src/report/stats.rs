@@ -28,9 +28,7 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
         let cells = columns.iter().map(|column| cell(column));
         text += &row(&widths, std::iter::once(name.to_owned()).chain(cells));
     };
-    add(heading, &|&FrameStats { lanes, threads, .. }| {
-        format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
-    });
+    add(heading, &|column| engine_name(column.lanes, column.threads));
     for (at, stage) in columns[0].stages.iter().enumerate() {
         let of = |column: &FrameStats| {
             let stage = &column.stages[at];
@@ -107,6 +105,11 @@ fn cell(tests: PerRay) -> String {
 
 fn hundredths(x: f64) -> String {
     grouped(format!("{x:.2}"))
+}
+
+/// Returns a width and a number of threads in words.
+pub fn engine_name(lanes: usize, threads: usize) -> String {
+    format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
 }
 
 /// Returns a width in words.

@@ -155,16 +155,10 @@ mod tests {
     use super::*;
     use octray_engine::lights::LightChoice;
     use octray_engine::sampling::Sampler;
-    use octray_engine::scene::Scene;
-
-    fn controls() -> Controls {
-        let settings = Settings { max_bounces: 4, threads: 6, ..Settings::of(&Scene::default()) };
-        Controls::new(&settings, Tone::default())
-    }
 
     #[test]
     fn bounds_hold() {
-        let mut controls = controls();
+        let mut controls = Controls { bounces: 4, ..Controls::default() };
         let exposed = |controls: &mut Controls, exposure, stops| {
             controls.tone.exposure = exposure;
             controls.add_exposure(stops);
@@ -189,7 +183,7 @@ mod tests {
     fn presets_keep_traversal_lights_and_sampler() {
         let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
         let requested = Methods { traversal, lights, sampler, ..Methods::default() };
-        let mut controls = controls();
+        let mut controls = Controls::default();
         for preset in [None, Some(0), Some(1)] {
             controls.preset = preset;
             let chosen = controls.methods(requested);

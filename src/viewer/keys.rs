@@ -125,15 +125,11 @@ fn short_help(width: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::render::Settings;
-    use octray_engine::scene::Scene;
-    use octray_engine::tone::Tone;
     use std::collections::HashSet;
 
     /// The settings after these letters.
     fn after(letters: &str) -> Controls {
-        let settings = Settings { threads: 6, ..Settings::of(&Scene::default()) };
-        let mut controls = Controls::new(&settings, Tone::default());
+        let mut controls = Controls { threads: 6, max_threads: 6, ..Controls::default() };
         for letter in letters.chars() {
             let Some(Step(change) | Switch(change)) = action_of(Char(letter)) else { panic!("{letter}") };
             change(&mut controls);

@@ -186,8 +186,6 @@ impl State {
 mod tests {
     use super::*;
     use crate::display_mode::DisplayMode;
-    use octray_engine::render::Settings;
-    use octray_engine::tone::Tone;
     use octray_formats::scene::{Camera, load};
 
     /// A state whose times are milliseconds after a start.
@@ -205,7 +203,7 @@ mod tests {
         fn new() -> Self {
             let [three, thesis] = scenes();
             let playlist = Playlist::new(&[three.name.clone(), thesis.name]).unwrap();
-            let controls = Controls::new(&Settings::of(&three), Tone::default());
+            let controls = Controls { bounces: three.max_bounces, ..Controls::default() };
             Self { state: State::new(playlist, &three, controls), start: Instant::now() }
         }
         fn handle(&mut self, event: Event, ms: u64) -> Option<Effect> {

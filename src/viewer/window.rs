@@ -54,7 +54,7 @@ struct FrameReady;
 pub fn window(options: Options, playlist: Playlist, scene: Loaded) -> Result<Summary, WindowError> {
     let mut builder = EventLoop::with_user_event();
     #[cfg(target_os = "linux")]
-    if !wayland::is_available() {
+    if !has_wayland() {
         winit::platform::x11::EventLoopBuilderExtX11::with_x11(&mut builder);
     }
     let events = builder.build().map_err(|_| no_display())?;
@@ -92,23 +92,19 @@ pub fn window(options: Options, playlist: Playlist, scene: Loaded) -> Result<Sum
 /// Tests whether a Wayland compositor answers: the environment may name one that has ended or belongs to
 /// another user.
 #[cfg(target_os = "linux")]
-mod wayland {
+fn has_wayland() -> bool {
     use std::env::var_os;
-    use std::fs;
     use std::os::unix::fs::FileTypeExt;
     use std::os::unix::net::UnixStream;
     use std::path::Path;
-
-    pub fn is_available() -> bool {
-        if let Some(open) = var_os("WAYLAND_SOCKET").filter(|open| !open.is_empty()) {
-            // File descriptor of a connection opened by the parent process.
-            let open = fs::metadata(Path::new("/proc/self/fd").join(open));
-            return open.is_ok_and(|open| open.file_type().is_socket());
-        }
-        let Some(name) = var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else { return false };
-        let folder = var_os("XDG_RUNTIME_DIR").unwrap_or_default();
-        UnixStream::connect(Path::new(&folder).join(name)).is_ok()
+    if let Some(open) = var_os("WAYLAND_SOCKET").filter(|open| !open.is_empty()) {
+        // File descriptor of a connection opened by the parent process.
+        let open = std::fs::metadata(Path::new("/proc/self/fd").join(open));
+        return open.is_ok_and(|open| open.file_type().is_socket());
     }
+    let Some(name) = var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else { return false };
+    let folder = var_os("XDG_RUNTIME_DIR").unwrap_or_default();
+    UnixStream::connect(Path::new(&folder).join(name)).is_ok()
 }
 
 /// Returns an error that names the displays tried. The messages of the window system name only its source

@@ -114,13 +114,12 @@ impl Report {
         if self.target_error.is_none() && self.time_limit.is_none() && !self.interrupted {
             return String::new();
         }
+        let is_over = self.time_limit.is_some_and(|limit| limit < self.seconds);
         let by = match self.ended_by {
             End::Samples => "the limit of samples",
             End::TargetError => "the target error",
             End::TimeLimit if self.samples == 0 => "the time limit, too short for one pass",
-            End::TimeLimit
-                if self.time_limit.is_some_and(|limit| limit < self.seconds) && self.samples == 1 =>
-            {
+            End::TimeLimit if is_over && self.samples == 1 => {
                 "the time limit, too short for more than the first sample"
             }
             End::TimeLimit => "the time limit",

@@ -112,7 +112,7 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
         "settings": settings::json(&RunSettings::of_picture(&settings)),
     });
     let own = settings::own_size(&scene, &settings);
-    out.text(&(path::text(&report, &scene) + &settings::own_sizes(own.as_slice())))?;
+    out.text(&(path::text(&report, &scene, &settings) + &settings::own_sizes(own.as_slice())))?;
     out.end(&report, false)
 }
 

@@ -108,13 +108,12 @@ pub struct FrameOptions {
 impl FrameOptions {
     /// Returns the settings of this scene's frames, on one thread.
     fn settings(&self, scene: &Scene) -> Settings {
-        let own = Settings::of(scene);
-        let sized = match self.as_scene {
+        let (methods, pipeline) = self.methods.chosen(Rendering::default());
+        let own = Settings { seed: self.seed, methods, pipeline, ..Settings::of(scene) };
+        match self.as_scene {
             true => own,
             false => Settings { resolution: self.size, max_bounces: self.bounces, ..own },
-        };
-        let (methods, pipeline) = self.methods.chosen(Rendering::default());
-        Settings { seed: self.seed, methods, pipeline, ..sized }
+        }
     }
 
     /// Returns the settings that a report shows.

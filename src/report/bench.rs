@@ -148,20 +148,18 @@ fn widths() -> Vec<isize> {
 pub fn heading(Report { settings, .. }: &Report, defaults: &RunSettings) -> String {
     let size =
         settings.size.map_or("each scene's size".into(), |[width, height]| format!("{width}×{height}"));
-    let bounces = match settings.bounces {
-        Some(bounces) => format!("up to {}", counted(bounces, "bounce", "bounces")),
-        None => "each scene's bounces".into(),
-    };
+    let bounces = settings.bounces.map(|most| format!("up to {}", counted(most, "bounce", "bounces")));
     let names = std::iter::once("scene".into())
         .chain(WIDTHS.into_iter().rev().map(engine))
         .chain(["all cores", "Mray/s", "differing", "wrong hits", "rmse"].map(String::from));
     format!(
         "{}\n\
-         {}{size}, 1 sample a frame, {bounces}, {}\n\
+         {}{size}, 1 sample a frame, {}, {}\n\
          frames per second: median (1 % low)\n\n\
          {}",
         settings.machine,
         settings.line(defaults),
+        bounces.unwrap_or("each scene's bounces".into()),
         counted(settings.threads[0], "thread", "threads"),
         text::row(&widths(), names)
     )

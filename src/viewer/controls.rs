@@ -110,7 +110,7 @@ impl Controls {
         cycle(&mut self.traversal, &all);
     }
 
-    /// Returns the resolution for a scene: that requested, scaled by [`Self::scale`] and by `factor`, within bounds.
+    /// Returns the requested resolution, scaled by [`Self::scale`] and by `factor`, within bounds.
     pub fn resolution(&self, requested: [u32; 2], factor: f64) -> [u32; 2] {
         let [width, height] = requested.map(f64::from);
         let factor = (f64::from(self.scale) / 2.0).exp2() * factor;

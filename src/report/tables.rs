@@ -27,48 +27,31 @@ impl<'a> Row<'a> {
     }
 }
 
-/// A CSV file: its name without extension; the lists, one inside the other, whose objects are rows; columns.
-/// A column is a key, or a name and the path of its value; one with an asterisk is a spread and has three
-/// columns in the file.
-type Table = (&'static str, &'static [&'static str], &'static str);
-
-const TABLES: [Table; 5] = [
-    (
-        "pictures",
-        &["scenes", "pictures", "points"],
-        "scene configuration samples *seconds *wall_s *processor_s *rmse *relmse *relmse_trimmed *flip on_front \
-         reliable taken default_passes",
-    ),
-    (
-        "frames",
-        &["scenes", "frames", "moments"],
-        "scene configuration threads seeds *fps after_s *samples *rmse *flip reliable taken",
-    ),
-    (
-        "display",
-        &["scenes", "display"],
-        "scene filter samples threads seeds *rmse *flip *frame_ms *filter_ms reliable taken",
-    ),
-    (
-        "motion",
-        &["scenes", "motion"],
-        "scene path filter threads frames speed rmse times_lower *frame_ms *filter_ms reliable taken",
-    ),
-    (
-        "kernels",
-        &["kernels"],
-        "family method default lanes ns ns_p10=ns_spread/0 ns_p90=ns_spread/1 wall_ns processor_ns reliable taken \
-         failures failure_test_case=failure_case/test_case failure_place=failure_case/place \
-         p99 error_test_case=error_case/test_case error_place=error_case/place",
-    ),
-];
+/// The CSV files, a line each: the name without extension; the lists, one inside the other, whose objects are
+/// rows; the columns. A column is a key, or a name and the path of its value; one with an asterisk is a spread
+/// and has three columns in the file.
+const TABLES: &str = "\
+pictures scenes/pictures/points scene configuration samples *seconds *wall_s *processor_s *rmse *relmse \
+*relmse_trimmed *flip on_front reliable taken default_passes
+frames scenes/frames/moments scene configuration threads seeds *fps after_s *samples *rmse *flip reliable taken
+display scenes/display scene filter samples threads seeds *rmse *flip *frame_ms *filter_ms reliable taken
+motion scenes/motion scene path filter threads frames speed rmse times_lower *frame_ms *filter_ms reliable taken
+kernels kernels family method default lanes ns ns_p10=ns_spread/0 ns_p90=ns_spread/1 wall_ns processor_ns reliable \
+taken failures failure_test_case=failure_case/test_case failure_place=failure_case/place \
+p99 error_test_case=error_case/test_case error_place=error_case/place
+";
 
 /// Returns the names of all CSV files, and their texts.
 pub fn tables(chart: &Value) -> impl Iterator<Item = (String, String)> {
-    TABLES.iter().map(|table| (format!("{}.csv", table.0), csv(table, chart)))
+    let table = |line: &str| {
+        let [name, lists, columns] = line.splitn(3, ' ').collect::<Vec<_>>()[..] else { return None };
+        Some((format!("{name}.csv"), csv(lists, columns, chart)))
+    };
+    TABLES.lines().filter_map(table)
 }
 
-fn csv((_, lists, columns): &Table, chart: &Value) -> String {
+fn csv(lists: &str, columns: &str, chart: &Value) -> String {
+    let lists: Vec<&str> = lists.split('/').collect();
     let header = columns.split(' ').flat_map(|column| match column.strip_prefix('*') {
         Some(key) => vec![key.to_owned(), format!("{key}_p10"), format!("{key}_p90")],
         None => vec![column.split('=').next().unwrap_or(column).to_owned()],
@@ -84,7 +67,7 @@ fn csv((_, lists, columns): &Table, chart: &Value) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing into memory cannot fail, and all rows are as long as the header.
     writer.write_record(header).expect("memory takes everything");
-    for row in Row::all(chart, lists) {
+    for row in Row::all(chart, &lists) {
         writer.write_record(cells(&row)).expect("a row as long as the header");
     }
     let bytes = writer.into_inner().expect("memory takes everything");
@@ -114,11 +97,6 @@ mod tests {
 
     #[test]
     fn cells_are_those_of_the_innermost_objects_that_have_them() {
-        let table: Table = (
-            "t",
-            &["scenes", "lines"],
-            "scene name *rmse low=spread/0 of=test_case/of reliable default_passes",
-        );
         let of = |median: f64| json!({ "median": median, "p10": median - 0.5, "p90": median + 0.25 });
         let line = |name: &str, rmse: Value, test_case: Value| {
             let seconds = of(2.0);
@@ -128,7 +106,8 @@ mod tests {
         let known = line("one, two", of(30.0), json!({ "of": "lost", "name": "no line's" }));
         let lines = [known, line("three", Value::Null, Value::Null)];
         let scene = json!({ "scene": "all", "name": "no line's", "default_pass_s": 0.5, "lines": lines });
-        let text = csv(&table, &json!({ "seeds": 8, "scenes": [scene] }));
+        let columns = "scene name *rmse low=spread/0 of=test_case/of reliable default_passes";
+        let text = csv("scenes/lines", columns, &json!({ "seeds": 8, "scenes": [scene] }));
         let expected = [
             "scene,name,rmse,rmse_p10,rmse_p90,low,of,reliable,default_passes",
             "all,\"one, two\",30,29.5,30.25,0.25,lost,true,4",

@@ -206,18 +206,15 @@ impl Inspection {
     }
 }
 
-/// The types of materials, and what those of any type may be.
+/// The types of materials.
 const TYPES: [&str; 7] = ["diffuse", "metal", "glass", "scatter", "plastic", "metal-rough", "emitter"];
-const TRAITS: [&str; 2] = ["emissive", "textured"];
 
 fn materials(all: &[Material]) -> Vec<(&'static str, usize)> {
-    let is = |material: &Material, name| match name {
-        "emissive" => material.emits(),
-        "textured" => material.texture.is_some(),
-        name => name == type_of(material.kind),
-    };
-    let count = |name| (name, all.iter().filter(|material| is(material, name)).count());
-    TYPES.into_iter().chain(TRAITS).map(count).collect()
+    let of_type = |name| all.iter().filter(|material| type_of(material.kind) == name).count();
+    let emissive = all.iter().filter(|material| material.emits()).count();
+    let textured = all.iter().filter(|material| material.texture.is_some()).count();
+    let types = TYPES.into_iter().map(|name| (name, of_type(name)));
+    types.chain([("emissive", emissive), ("textured", textured)]).collect()
 }
 
 /// Returns the name of a material type, as in scene files.

@@ -7,7 +7,6 @@ use super::settings::{Differences, RunSettings, differences, in_words, json};
 use super::stats;
 use super::text::{busy, paragraph, row};
 use crate::bvh::check::Statistics;
-use crate::measure::cores::Reliability;
 use crate::measure::rays::{BuildTime, Measurement};
 use crate::measure::stats::RayStats;
 use crate::render::TraversalChoice;
@@ -105,10 +104,9 @@ impl Report {
             let old = baseline["results"].as_array().into_iter().flatten().find(is_same);
             new.over_baseline = old.map(|old| {
                 let spread = [0, 1].map(|end| number(&old["mrays_per_s_spread"][end]));
-                let reliable = new.reliability.reliable && old["reliable"] == true;
                 let rates =
                     [(new.mrays_per_s, new.mrays_per_s_spread), (number(&old["mrays_per_s"]), spread)];
-                new_over_old(rates, Reliability { reliable, ..new.reliability })
+                new_over_old(rates, new.reliability, old["reliable"] == true)
             });
         }
     }

@@ -27,9 +27,9 @@ impl<'a> Row<'a> {
     }
 }
 
-/// The CSV files, a line each: the name without extension; the lists, one inside the other, whose objects are
-/// rows; the columns. A column is a key, or a name and the path of its value; one with an asterisk is a spread
-/// and has three columns in the file.
+/// The CSV files, a line each: the name without extension; the lists, one inside the other, whose objects
+/// are rows; the columns. A column is a key, or a name and the path of its value; one with an asterisk is a
+/// spread and has three columns in the file.
 const TABLES: &str = "\
 pictures scenes/pictures/points scene configuration samples *seconds *wall_s *processor_s *rmse *relmse \
 *relmse_trimmed *flip on_front reliable taken default_passes

@@ -10,13 +10,13 @@ use crate::machine;
 use crate::measure::bench::{Effort, Engine, FEWEST_FRAMES, Measurement, bench};
 use crate::measure::compare::{BYTES_PER_PIXEL as COMPARE_BYTES_PER_PIXEL, compare};
 use crate::methods;
-use crate::render::{LaneChoice, Settings};
+use crate::render::LaneChoice;
 use crate::report::baseline::{Baseline, over_rounds, text as over_baseline};
 use crate::report::bench::{
-    Against, MeasuredScene, Report, doubt, heading, meaning, ratios, row, stats_of, summary,
+    Against, MeasuredScene, Report, SCHEMA, doubt, heading, meaning, ratios, row, stats_of, summary,
 };
 use crate::report::settings::{RunSettings, differences, json, own_size};
-use crate::scene::{Scene, bench_names};
+use crate::scene::bench_names;
 use clap::{ArgAction, Args, FromArgMatches, Parser};
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -31,7 +31,6 @@ const PER_SCENE: Duration = Duration::from_secs(2);
 /// Measuring time of the slowest engine of a program that another is compared with, in each of the rounds.
 const A_TURN: Duration = Duration::from_millis(250);
 const PROGRAM_ROUNDS: usize = 10;
-/// Most measured frames.
 const MAX_FRAMES: u32 = 1_000_000;
 
 /// Measure frames per second, SIMD beside scalar.
@@ -110,7 +109,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let second = options.against.as_deref().map(|words| engines.with(words)).transpose()?;
     let bytes = COMPARE_BYTES_PER_PIXEL * if second.is_some() { 2 } else { 1 };
     iter::once(engines).chain(&second).try_for_each(|one| one.frame.check(bytes))?;
-    let mut report = Report::new(options.run_settings());
+    let mut report = Report { schema: SCHEMA, settings: options.run_settings(), ..Report::default() };
     let defaults = Options::parse_from(["bench"]).run_settings();
     let (mut failed, mut own) = (false, Vec::new());
     let scenes = scenes::checked(&options.scenes, bench_names())?;
@@ -136,7 +135,9 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
             timed.push((second.frame.checked(&scene, bytes)?, others));
         }
         if index == 0 {
-            report.first_frame_ms = first_frame(&scene, settings, start);
+            let renderer = methods::renderer(&scene, settings);
+            renderer.add_samples(&mut renderer.film(), 1);
+            report.first_frame_ms = start.elapsed().as_secs_f64() * 1e3;
             out.text(&heading(&report, &defaults))?;
         }
         let effort = options.frames.map_or(Effort::Time(PER_SCENE * timed.len() as u32), Effort::Frames);
@@ -228,9 +229,12 @@ impl Engines {
         let given = self.lanes.iter().map(|choice| choice.lanes());
         let all = iter::once(LaneChoice::default().lanes()).chain(WIDTHS.into_iter().rev());
         let widths: Vec<usize> = if self.lanes.is_empty() { all.collect() } else { given.collect() };
-        let is_new = |(at, lanes): &(usize, &usize)| !widths[..*at].contains(lanes);
-        let widths = widths.iter().enumerate().filter(is_new);
-        let mut engines: Vec<Engine> = widths.map(|(_, &lanes)| Engine { lanes, threads }).collect();
+        let mut engines: Vec<Engine> = Vec::new();
+        for engine in widths.into_iter().map(|lanes| Engine { lanes, threads }) {
+            if !engines.contains(&engine) {
+                engines.push(engine);
+            }
+        }
         let first = engines[0].lanes;
         if self.threads.is_none() && machine::cores() > 1 && first > 1 {
             engines.push(Engine { lanes: first, threads: machine::cores() });
@@ -254,11 +258,8 @@ impl Engines {
     /// Returns these options, replaced by those in `text` where it has them.
     fn with(&self, text: &str) -> Result<Self, CliError> {
         if text.trim().is_empty() {
-            return Err(refuse(
-                "--against",
-                "\"\"",
-                "name the options that differ, as in \"--traversal single\"",
-            ));
+            let instead = "name the options that differ, as in \"--traversal single\"";
+            return Err(refuse("--against", "\"\"", instead));
         }
         let command = clap::Command::new("bench").no_binary_name(true).disable_help_flag(true);
         let command = Self::augment_args(command).args_override_self(true);
@@ -287,11 +288,4 @@ fn program_report(program: &Path, scene: &OsStr, words: &str, frames: u32) -> Re
         return Err(refuse(format!("it ended with {}: {}", output.status, said.trim())));
     }
     Baseline::read(&String::from_utf8_lossy(&output.stdout)).map_err(refuse)
-}
-
-/// Returns the milliseconds from `start` to the end of a first frame.
-fn first_frame(scene: &Scene, settings: Settings, start: Instant) -> f64 {
-    let renderer = methods::renderer(scene, settings);
-    renderer.add_samples(&mut renderer.film(), 1);
-    start.elapsed().as_secs_f64() * 1e3
 }

@@ -29,7 +29,6 @@ const KERNELS_MOST: Duration = Duration::from_secs(10);
 const WRITING: Duration = Duration::from_millis(500);
 /// The budget of each scene without `--budget`.
 const A_SCENE: Duration = Duration::from_secs(20);
-/// Most seeds.
 const MAX_SEEDS: u32 = 1_000;
 
 /// Chart speed against accuracy.
@@ -114,7 +113,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let names = scenes::checked(&options.scenes, bench_names())?;
     // The first scene is read before the kernels are timed, so that a fault in it is reported at once; the
     // others when they are charted.
-    let mut first = names.first().map(|name| scenes::load(name)).transpose()?;
+    let mut first = names.first().map(|name| scenes::load(name, false)).transpose()?;
     let budget = options.budget.unwrap_or(A_SCENE * names.len() as u32);
     output::make_folder(&options.output)?;
     let bar = progress::countdown(start, budget);
@@ -134,7 +133,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     };
     let (mut shapes, mut own) = (vec!["box"], Vec::new());
     for (number, name) in names.iter().enumerate() {
-        let scene = first.take().map_or_else(|| scenes::load(name), Ok)?;
+        let scene = first.take().map_or_else(|| scenes::load(name, false), Ok)?;
         keep_inputs(&scene.files, [("--output", options.output.join("chart.json").as_path())])?;
         scene.warnings.iter().for_each(|warning| bar.suspend(|| terminal::warn(warning)));
         let left = (start + budget).saturating_duration_since(Instant::now() + WRITING);

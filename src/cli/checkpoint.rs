@@ -23,7 +23,8 @@ pub struct CheckpointWriter {
     pub goals: Vec<u32>,
     /// `None`: [`INTERVAL`], or longer where saving takes long.
     interval: Option<Duration>,
-    due: Instant,
+    /// The time at which the film is to be saved next.
+    pub due: Instant,
     /// Pixel samples in the file.
     saved: u64,
     /// Whether the user was warned that saving fails.
@@ -55,11 +56,6 @@ impl CheckpointWriter {
         let (file, saved) = (file.to_owned(), film.pixel_samples());
         let due = Instant::now() + interval.unwrap_or(INTERVAL);
         Ok(Self { file, header, goals, interval, due, saved, warned: false })
-    }
-
-    /// Returns the time at which the film is to be saved next.
-    pub fn due(&self) -> Instant {
-        self.due
     }
 
     /// Tests whether it is time to save, and the film has samples that the file does not have.

@@ -6,12 +6,12 @@ use super::numbers::{samples, threads};
 use super::options::FrameOptions;
 use super::scenes;
 use super::terminal::{self, Printer};
-use crate::lane::WIDTHS;
+use crate::lane::{FUSED, WIDTHS};
 use crate::machine;
 use crate::measure::compare::{BYTES_PER_PIXEL, compare};
 use crate::methods;
 use crate::render::Settings;
-use crate::report::compare::{FilmHash, HashReport, Report, doubt, hash_row, heading, meaning, row};
+use crate::report::compare::{FilmHash, HashReport, Report, doubt, heading, meaning, row};
 use crate::report::settings::RunSettings;
 use crate::scene::{Loaded, builtin_names};
 use clap::Parser;
@@ -79,18 +79,18 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if options.hash { hash(&options, scenes, out) } else { compare_all(&options, scenes, out) }
 }
 
-/// Prints a hash of each scene's film.
 fn hash(options: &Options, scenes: Vec<OsString>, out: Printer) -> Result<ExitCode, CliError> {
-    let mut report = HashReport::default();
+    let mut report = HashReport { schema: "octray-hash-1", fused: FUSED, results: Vec::new() };
+    let rounding = if FUSED { "fused" } else { "plain" };
     for spec in scenes {
         let (scene, settings) = options.load(&spec)?;
         let renderer = methods::renderer(&scene, settings);
         let mut film = renderer.film();
         renderer.add_samples(&mut film, options.samples);
         let scene = spec.to_string_lossy().into_owned();
-        let result = FilmHash { scene, hash: format!("{:016x}", film.picture().hash()) };
-        out.text(&hash_row(&result))?;
-        report.results.push(result);
+        let hash = format!("{:016x}", film.picture().hash());
+        out.text(&format!("{hash}  {rounding}  {scene}\n"))?;
+        report.results.push(FilmHash { scene, hash });
     }
     out.end(&report, false)
 }

@@ -40,7 +40,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     check_model(&options.model, &scene)?;
     // Before the check of the extension, so that a folder is reported as a folder.
     output::check(&scene, existing)?;
-    check_scene(&scene)?;
+    if !has_extension(&scene, "json") {
+        let mend = format!("write to {}", scene.with_extension("json").display());
+        refuse(&scene, "would not be read as a scene, as it does not end in .json", mend)?;
+    }
     let Converted { text, pictures, files: read, warnings } = scene::convert_model(&options.model, &scene)?;
     warnings.iter().for_each(|warning| terminal::warn(warning));
     let pictures = pictures.iter().map(|(name, content)| (scene.with_file_name(name), content.as_slice()));
@@ -60,9 +63,8 @@ fn refuse(file: &Path, what: &str, mend: impl AsRef<str>) -> Result<(), CliError
     Err(refuse_input(format!("`{}` {what}", file.display()), mend.as_ref()))
 }
 
-// Scenes and models are recognised by their extensions: a file with another one would be read as something
-// else, or not at all.
-
+/// Refuses what is no model. Scenes and models are recognised by their extensions: a file with another one
+/// would be read as something else, or not at all.
 fn check_model(model: &Path, scene: &Path) -> Result<(), CliError> {
     let [from, to] = [model, scene].map(|path| path.display());
     let name = model.to_string_lossy();
@@ -86,12 +88,4 @@ fn check_model(model: &Path, scene: &Path) -> Result<(), CliError> {
         return refuse(model, "does not exist", "give the path of a model: .obj, .gltf, .glb or .ply");
     }
     Ok(())
-}
-
-fn check_scene(scene: &Path) -> Result<(), CliError> {
-    if has_extension(scene, "json") {
-        return Ok(());
-    }
-    let mend = format!("write to {}", scene.with_extension("json").display());
-    refuse(scene, "would not be read as a scene, as it does not end in .json", mend)
 }

@@ -68,13 +68,12 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     if let Some(pixel) = options.pixel {
         return print_path(&options, pixel, out);
     }
-    let scene = scenes::load(&options.scene)?;
+    let scene = scenes::load(&options.scene, false)?;
     let inspection = Inspection::of(options.scene.to_string_lossy().into_owned(), &scene);
     out.text(&inspection.text(options.why))?;
     out.end(&inspection, !inspection.is_valid())
 }
 
-/// Prints a path.
 fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitCode, CliError> {
     let (sample, (scene, settings)) = (options.sample, options.frame.load(&options.scene, 0)?);
     let Settings { resolution, max_bounces, seed, methods, .. } = settings;
@@ -112,8 +111,8 @@ fn print_path(options: &Options, [x, y]: [u32; 2], out: Printer) -> Result<ExitC
         "f32": of_engine,
         "settings": settings::json(&RunSettings::of_picture(&settings)),
     });
-    let own: Vec<String> = settings::own_size(&scene, &settings).into_iter().collect();
-    out.text(&(path::text(&report, &scene) + &settings::own_sizes(&own)))?;
+    let own = settings::own_size(&scene, &settings);
+    out.text(&(path::text(&report, &scene, &settings) + &settings::own_sizes(own.as_slice())))?;
     out.end(&report, false)
 }
 

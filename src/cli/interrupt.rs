@@ -12,7 +12,7 @@ use signal_hook::{
 use std::io::{self, IsTerminal};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 static REQUESTS: AtomicU32 = AtomicU32::new(0);
@@ -20,15 +20,11 @@ static BEGUN: AtomicBool = AtomicBool::new(false);
 static HOLDING: AtomicBool = AtomicBool::new(false);
 static LAST_NOTE: Mutex<String> = Mutex::new(String::new());
 
-fn last_note() -> MutexGuard<'static, String> {
-    LAST_NOTE.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// Makes Ctrl-C end the program after a note that says what remains of the run. Does nothing if the handler
 /// cannot be installed.
 pub fn end_with(note: impl Into<String>) {
     set_last_note(note);
-    on_signal(|_| end_after(last_note().clone())).ok();
+    on_signal(|_| end_after(LAST_NOTE.lock().unwrap_or_else(PoisonError::into_inner).clone())).ok();
 }
 
 /// Installs a handler of signals. Its argument is true for Ctrl-C, which, sent again, ends the program at
@@ -57,7 +53,7 @@ fn is_hang_up_ignored() -> bool {
 
 /// Replaces the note of [`end_with`].
 pub fn set_last_note(note: impl Into<String>) {
-    *last_note() = note.into();
+    *LAST_NOTE.lock().unwrap_or_else(PoisonError::into_inner) = note.into();
 }
 
 /// Prints a note below the progress line, if there is one, from a thread of its own: if nobody reads standard

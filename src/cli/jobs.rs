@@ -7,7 +7,6 @@ use super::options::{PictureOptions, SCENE};
 use super::outputs::{is_same, keep_inputs};
 use crate::checkpoint::{CheckpointError, Shard, is_checkpoint};
 use crate::output::{self, Existing, Format};
-use crate::sampling::random::mix_bits;
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -87,14 +86,6 @@ pub struct Job {
     pub shard: Option<Shard>,
     pub checkpoint: Option<PathBuf>,
     pub samples_map: Option<PathBuf>,
-}
-
-impl Job {
-    /// Returns the seed of the film, given that of the call: each frame has noise of its own, and frame 0
-    /// that of a still.
-    pub fn seed(&self, seed: u32) -> u32 {
-        seed.wrapping_add(mix_bits(self.frame.unwrap_or(0)))
-    }
 }
 
 /// Returns the jobs of a call, with their files checked: they can be written. Frames are a job each; of a
@@ -205,7 +196,6 @@ pub fn keep_files(jobs: &[Job], of_scene: &[PathBuf]) -> Result<(), CliError> {
     keep_inputs(of_scene, outputs)
 }
 
-/// Largest number of a frame.
 const MAX_FRAME: u32 = 9_999_999;
 /// Most shards: more than there are machines, and fewer than tiles in most pictures.
 const MAX_SHARDS: u32 = 65_536;

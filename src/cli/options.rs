@@ -73,15 +73,16 @@ pub struct MethodArgs {
 }
 
 impl MethodArgs {
-    /// Returns the methods of these options, else those of the view, else the defaults.
-    pub fn methods(self, view: Rendering) -> Methods {
-        Methods {
+    /// Returns the methods and the pipeline of these options, else those of the view, else the defaults.
+    fn chosen(self, view: Rendering) -> (Methods, PipelineChoice) {
+        let methods = Methods {
             sphere: self.sphere.or(view.sphere).unwrap_or_default(),
             triangle: self.triangle.or(view.triangle).unwrap_or_default(),
             traversal: self.traversal.or(view.traversal).unwrap_or_default(),
             lights: self.lights.or(view.lights).unwrap_or_default(),
             sampler: self.sampler.or(view.sampler).unwrap_or_default(),
-        }
+        };
+        (methods, self.pipeline.or(view.pipeline).unwrap_or_default())
     }
 }
 
@@ -107,26 +108,18 @@ pub struct FrameOptions {
 impl FrameOptions {
     /// Returns the settings of this scene's frames, on one thread.
     fn settings(&self, scene: &Scene) -> Settings {
-        let own = Settings::of(scene);
-        let sized = match self.as_scene {
+        let (methods, pipeline) = self.methods.chosen(Rendering::default());
+        let own = Settings { seed: self.seed, methods, pipeline, ..Settings::of(scene) };
+        match self.as_scene {
             true => own,
             false => Settings { resolution: self.size, max_bounces: self.bounces, ..own },
-        };
-        Settings { seed: self.seed, methods: self.methods(), pipeline: self.pipeline(), ..sized }
-    }
-
-    fn methods(&self) -> Methods {
-        self.methods.methods(Rendering::default())
-    }
-
-    fn pipeline(&self) -> PipelineChoice {
-        self.methods.pipeline.unwrap_or_default()
+        }
     }
 
     /// Returns the settings that a report shows.
     pub fn run_settings(&self) -> RunSettings {
-        let run = RunSettings::of(self.methods());
-        let run = RunSettings { seed: self.seed, pipeline: self.pipeline(), ..run };
+        let (methods, pipeline) = self.methods.chosen(Rendering::default());
+        let run = RunSettings { seed: self.seed, pipeline, ..RunSettings::of(methods) };
         run.sized(self.size, self.bounces, self.as_scene)
     }
 
@@ -190,22 +183,18 @@ impl PictureOptions {
     /// Returns the settings of this scene's picture.
     pub fn settings(&self, scene: &Loaded) -> Settings {
         let (view, default) = (scenes::of_view(scene), Settings::of(scene));
+        let (methods, pipeline) = self.methods.chosen(view);
         Settings {
             resolution: self.size.unwrap_or(scene.resolution),
             max_bounces: self.bounces.unwrap_or(scene.max_bounces),
             seed: self.seed.or(view.seed).unwrap_or(default.seed),
-            methods: self.methods(scene),
+            methods,
             lanes: self.lanes.unwrap_or_default().lanes(),
             threads: self.threads.unwrap_or_else(machine::cores),
-            pipeline: self.methods.pipeline.or(view.pipeline).unwrap_or(default.pipeline),
+            pipeline,
             clamp: self.clamp.or(view.clamp).unwrap_or(default.clamp),
             ..default
         }
-    }
-
-    /// Returns the methods of this scene's picture.
-    pub fn methods(&self, scene: &Loaded) -> Methods {
-        self.methods.methods(scenes::of_view(scene))
     }
 
     /// Returns the settings that a report shows for this scene's picture, and the options that differ from

@@ -18,26 +18,20 @@ pub fn files(folder: &Path) -> [PathBuf; 4] {
 
 /// Writes all files into a folder.
 pub fn write(folder: &Path, scene: &Scene, rays: &[RaysWithHits]) -> Result<(), OutputError> {
-    rays.iter().try_for_each(|rays| write_rays(folder, rays))?;
-    write_triangles(folder, scene)
-}
-
-fn write_rays(folder: &Path, RaysWithHits { set, nearest }: &RaysWithHits) -> Result<(), OutputError> {
-    let path = folder.join(format!("{}.rays", set.kind.name()));
-    write_atomically(&path, Existing::Replace, |file| {
-        head(file, RAYS, set.len())?;
-        for column in set.origin.iter().chain(&set.direction).chain([&set.t_max]) {
-            floats(file, column.iter().copied())?;
-        }
-        let found = nearest.t.iter().zip(&nearest.primitive);
-        floats(file, found.map(|(&t, &primitive)| if primitive == MISS { f32::INFINITY } else { t }))?;
-        nearest.primitive.iter().try_for_each(|primitive| file.write_all(&primitive.to_le_bytes()))?;
-        floats(file, nearest.u.iter().copied())?;
-        floats(file, nearest.v.iter().copied())
-    })
-}
-
-fn write_triangles(folder: &Path, scene: &Scene) -> Result<(), OutputError> {
+    for RaysWithHits { set, nearest } in rays {
+        let path = folder.join(format!("{}.rays", set.kind.name()));
+        write_atomically(&path, Existing::Replace, |file| {
+            head(file, RAYS, set.len())?;
+            for column in set.origin.iter().chain(&set.direction).chain([&set.t_max]) {
+                floats(file, column.iter().copied())?;
+            }
+            let found = nearest.t.iter().zip(&nearest.primitive);
+            floats(file, found.map(|(&t, &primitive)| if primitive == MISS { f32::INFINITY } else { t }))?;
+            nearest.primitive.iter().try_for_each(|primitive| file.write_all(&primitive.to_le_bytes()))?;
+            floats(file, nearest.u.iter().copied())?;
+            floats(file, nearest.v.iter().copied())
+        })?;
+    }
     write_atomically(&folder.join("triangles.bin"), Existing::Replace, |file| {
         head(file, TRIANGLES, scene.triangles.len())?;
         let vertices = scene.triangles.iter().flat_map(|triangle| triangle.vertices);

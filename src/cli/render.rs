@@ -13,7 +13,7 @@ use crate::adaptive::ErrorEstimate;
 use crate::camera::Tile;
 use crate::checkpoint::{self, Header, Identity, Shard};
 use crate::diagnosis;
-use crate::film::{Film, Picture};
+use crate::film::Film;
 use crate::measure::stats::FrameStats;
 use crate::methods;
 use crate::output::{self, Format, OutputError};
@@ -22,6 +22,7 @@ use crate::report::numbers::mrays_per_s;
 use crate::report::render::{End, EstimatedError, Report};
 use crate::report::settings::RunSettings;
 use crate::report::stats;
+use crate::sampling::random::mix_bits;
 use crate::scene::{Camera, Loaded, Scene, srgb_to_linear};
 use crate::tone::Tone;
 use crate::wording::counted;
@@ -58,10 +59,11 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
     let mut prepared = Some((scene.scene, renderer));
     let last = jobs.len() - 1;
     for (index, (job, camera)) in jobs.into_iter().zip(cameras).enumerate() {
-        if let (Some((scene, renderer)), Some(_)) = (&mut prepared, job.frame) {
+        if let (Some((scene, renderer)), Some(frame)) = (&mut prepared, job.frame) {
             scene.camera = camera;
             renderer.set_view(&camera, settings.resolution, settings.max_bounces);
-            renderer.set_seed(job.seed(settings.seed));
+            // Each frame has noise of its own, and frame 0 that of a still.
+            renderer.set_seed(settings.seed.wrapping_add(mix_bits(frame)));
         }
         interrupt::begin();
         let code = rendering.run(&job, &mut prepared, [index == 0, index == last])?;
@@ -229,10 +231,7 @@ impl Rendering {
         let target = &limits.target;
         let frames = (film.mean_samples() - traced.resumed_samples).round().max(1.0) as u32;
         let stats = || FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames);
-        let estimated = target.map(|_| {
-            let ErrorEstimate { rms, largest } = ErrorEstimate::of(film);
-            EstimatedError { rms, largest }
-        });
+        let estimated = target.map(|_| ErrorEstimate::of(film));
         Report {
             schema: "octray-render-1",
             scene: options.scene.to_string_lossy().into_owned(),
@@ -248,7 +247,7 @@ impl Rendering {
             ended_by: traced.end,
             time_limit: limits.time.map(|time| time.as_secs_f64()),
             target_error: target.map(|target| target.error),
-            estimated_error: estimated,
+            estimated_error: estimated.map(|ErrorEstimate { rms, largest }| EstimatedError { rms, largest }),
             max_bounces: settings.max_bounces,
             seed: renderer.settings().seed,
             traversal: settings.methods.traversal_name(scene, settings.lanes),
@@ -265,20 +264,16 @@ impl Rendering {
 }
 
 /// Writes a picture of the number of samples of each pixel; fails and leaves no file after a second Ctrl-C.
+/// Formats for display get shades: equal factors are equal steps to the eye, from black for 0 and 1 to white
+/// for the most.
 fn save_samples_map(file: &Path, film: &Film) -> Result<(), OutputError> {
     let mut counts = film.counts();
     if !Format::from_path(file)?.is_linear() {
-        shade(&mut counts, film.most_samples());
+        let whole = f64::from(film.most_samples().max(2)).ln();
+        for pixel in &mut counts.pixels {
+            let shown = f64::from(pixel[0].max(1.0)).ln() / whole;
+            *pixel = [srgb_to_linear(shown) as f32; 3];
+        }
     }
     output::save_unless(file, &counts, &Tone::default(), &interrupt::insisted)
-}
-
-/// Replaces counts by shades: equal factors are equal steps to the eye, from black for 0 and 1 to white for
-/// `most`.
-fn shade(counts: &mut Picture, most: u32) {
-    let whole = f64::from(most.max(2)).ln();
-    for pixel in &mut counts.pixels {
-        let shown = f64::from(pixel[0].max(1.0)).ln() / whole;
-        *pixel = [srgb_to_linear(shown) as f32; 3];
-    }
 }

@@ -7,13 +7,9 @@ use crate::scene::{self, Loaded, Rendering, view_fault};
 use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 
-/// Loads a scene by name. Every command refuses a view with numbers out of range, also a command that does
-/// not use them.
-pub fn load(name: &OsStr) -> Result<Loaded, CliError> {
-    load_as(name, false)
-}
-
-fn load_as(name: &OsStr, unrounded: bool) -> Result<Loaded, CliError> {
+/// Loads a scene by name, if `unrounded` for the reference. Every command refuses a view with numbers out of
+/// range, also a command that does not use them.
+pub fn load(name: &OsStr, unrounded: bool) -> Result<Loaded, CliError> {
     let scene = scene::load_as(name, unrounded)?;
     let view = of_view(&scene);
     check(&scene, "samples", view.samples, samples)?;
@@ -34,9 +30,9 @@ fn check<T: Display>(
     parse(&text).map(drop).map_err(fault)
 }
 
-/// Loads a scene by name, if `unrounded` for the reference, and prints its warnings.
+/// Loads a scene as [`load`] does, and prints its warnings.
 pub fn load_with_warnings(name: &OsStr, unrounded: bool) -> Result<Loaded, CliError> {
-    let scene = load_as(name, unrounded)?;
+    let scene = load(name, unrounded)?;
     scene.warnings.iter().for_each(|warning| terminal::warn(warning));
     Ok(scene)
 }
@@ -50,7 +46,7 @@ pub fn checked(
     built_in: impl Iterator<Item = &'static str>,
 ) -> Result<Vec<OsString>, CliError> {
     if names.len() > 1 {
-        names.iter().try_for_each(|name| load(name).map(drop))?;
+        names.iter().try_for_each(|name| load(name, false).map(drop))?;
     }
     Ok(or_built_in(names, built_in))
 }

@@ -7,7 +7,7 @@ use crate::measure::stability::{self, Effort, TestCase, test_cases};
 use crate::output::{self, Existing};
 use crate::report::stability::{Report, drawings, summary, table, verdict};
 use clap::builder::PossibleValuesParser;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
@@ -62,7 +62,10 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     tasks.finish_and_clear();
     let report = Report::new(options.thorough, test_cases);
     if let Some(folder) = &options.output {
-        write(folder, &report)?;
+        for drawing in report.test_cases.iter().flat_map(drawings) {
+            output::save_text(&folder.join(format!("{}.svg", drawing.name)), &drawing.svg)?;
+        }
+        output::save_json(&folder.join(JSON), &report)?;
     }
     let out = Printer { json: options.json };
     out.text(&format!("{}\n\n{}", report.machine, verdict(&report)))?;
@@ -77,11 +80,4 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         out.text(&format!("\nCharts and {JSON} are in {}.\n", folder.display()))?;
     }
     out.end(&report, report.has_failed())
-}
-
-fn write(folder: &Path, report: &Report) -> Result<(), CliError> {
-    for drawing in report.test_cases.iter().flat_map(drawings) {
-        output::save_text(&folder.join(format!("{}.svg", drawing.name)), &drawing.svg)?;
-    }
-    Ok(output::save_json(&folder.join(JSON), report)?)
 }

@@ -127,7 +127,7 @@ fn take_round(
         let mut took = Duration::ZERO;
         // A chunk that is longer than the time between two checkpoints pauses for each.
         loop {
-            observer.pause = writer.as_ref().map(|writer| writer.due() + GRACE);
+            observer.pause = writer.as_ref().map(|writer| writer.due + GRACE);
             observer.progressed = AtomicBool::new(false);
             let resumed = Instant::now();
             renderer.sample_tiles_to(film, |tile, _| goals[tile], &observer);
@@ -144,7 +144,10 @@ fn take_round(
         }
         let done = film.pixel_samples() - before;
         pace.seconds_a_pixel = took.as_secs_f64() / (done as f64).max(1.0);
-        pace.chunk = next_chunk(chunk, took);
+        // As many samples as should take `CHUNK` at this speed, and at most four times as many as in the last
+        // chunk, because short times are measured poorly.
+        let fitting = f64::from(chunk) * CHUNK.as_secs_f64() / took.as_secs_f64().max(1e-9);
+        pace.chunk = (fitting as u32).clamp(1, chunk.saturating_mul(4));
     }
 }
 
@@ -178,13 +181,6 @@ impl RenderObserver for Chunk<'_> {
         }
         self.progress.add(pixels, rays);
     }
-}
-
-/// Returns the samples per pixel of the next chunk: as many as should take [`CHUNK`] at the speed of the last
-/// one, and at most four times as many as in the last one, because short times are measured poorly.
-fn next_chunk(last: u32, took: Duration) -> u32 {
-    let fitting = f64::from(last) * CHUNK.as_secs_f64() / took.as_secs_f64().max(1e-9);
-    (fitting as u32).clamp(1, last.saturating_mul(4))
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
 //! `octray view`: walks through scenes in a terminal or, with the feature `window`, in a window.
-//!
+
 use super::error::{CliError, refuse, refuse_input};
 use super::numbers::whole;
 use super::options::PictureOptions;
@@ -79,23 +79,18 @@ const FOR_A_WINDOW: &str = if cfg!(feature = "window") {
 };
 
 impl Options {
-    /// Returns the viewer's options. Seed, tone and pipeline are those of its first scene; methods are those
-    /// of each scene.
+    /// Returns the viewer's options. Seed, tone and pipeline are those of its first scene; size, bounces and
+    /// methods are those of each scene.
     fn viewer(&self, first: &Loaded) -> viewer::Options {
-        let picture = self.picture;
-        let Settings { seed, pipeline, clamp, threads, .. } = picture.settings(first);
+        let Settings { seed, pipeline, clamp, threads, .. } = self.picture.settings(first);
+        let mut picture = self.picture;
+        picture.threads = Some(threads);
+        let settings = move |scene: &Loaded| Settings { seed, pipeline, clamp, ..picture.settings(scene) };
         viewer::Options {
-            size: picture.size,
-            bounces: picture.bounces,
-            seed,
-            pipeline,
-            clamp,
-            threads,
+            settings: Box::new(settings),
             max_threads: machine::cores().max(threads),
-            lanes: picture.lanes.unwrap_or_default(),
             tone: picture.tone(first),
             target: self.target_fps,
-            methods: Box::new(move |scene| picture.methods(scene)),
             renderer: methods::renderer,
             fits: Box::new(|size| memory::room_for(size, viewer::BYTES_PER_PIXEL)),
             frames: self.frames.map(u64::from),
@@ -131,16 +126,15 @@ struct Report {
 }
 
 impl Report {
-    /// Builds the report. `presented` has the number of frames that a window enlarged and presented, and the
-    /// time that took.
-    fn of(summary: &Summary, presented: Option<(u64, Duration)>) -> Self {
+    fn of(summary: &Summary) -> Self {
         let elapsed = summary.elapsed.as_secs_f64().max(1e-9);
         let frames = summary.frames.max(1) as f64;
         let answered = |ms: f64| (summary.latencies > 0).then_some(ms);
+        let presenting = |(frames, time): (u64, Duration)| time.as_secs_f64() * 1e3 / frames.max(1) as f64;
         Self {
             schema: "octray-window-1",
             machine: Machine::current(),
-            front_end: if presented.is_some() { "window" } else { "terminal" },
+            front_end: if summary.presented.is_some() { "window" } else { "terminal" },
             frames: summary.frames,
             fps: summary.frames as f64 / elapsed,
             passes: summary.passes,
@@ -148,7 +142,7 @@ impl Report {
             tracing_share: summary.tracing.as_secs_f64() / elapsed,
             painting_share: summary.painting.as_secs_f64() / elapsed,
             painting_ms: summary.painting.as_secs_f64() * 1e3 / frames,
-            presenting_ms: presented.map(|(frames, time)| time.as_secs_f64() * 1e3 / frames.max(1) as f64),
+            presenting_ms: summary.presented.map(presenting),
             answer_ms: answered(summary.latency_sum.as_secs_f64() * 1e3 / summary.latencies.max(1) as f64),
             slowest_answer_ms: answered(summary.max_latency.as_secs_f64() * 1e3),
             slowest_switch_ms: summary.max_switch_time.map(|time| time.as_secs_f64() * 1e3),
@@ -194,20 +188,15 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         let what = "octray view draws in a terminal here, and standard output is not one";
         return Err(refuse_input(what, FOR_A_WINDOW));
     }
-    let report = match options.viewer(&first) {
+    let summary = match options.viewer(&first) {
         #[cfg(feature = "window")]
-        viewer if !in_terminal => {
-            let (summary, presented) = viewer::window(viewer, playlist, first)?;
-            Report::of(&summary, Some((presented.frames, presented.time)))
-        }
-        viewer => {
-            let summary = viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?;
-            if !options.terminal {
-                terminal::note(&format!("this octray was built without windows; {FOR_A_WINDOW}"));
-            }
-            Report::of(&summary, None)
-        }
+        viewer if !in_terminal => viewer::window(viewer, playlist, first)?,
+        viewer => viewer::terminal(viewer, playlist, first).map_err(CliError::Terminal)?,
     };
+    if in_terminal && !options.terminal {
+        terminal::note(&format!("this octray was built without windows; {FOR_A_WINDOW}"));
+    }
+    let report = Report::of(&summary);
     let out = Printer { json: options.json };
     if options.frames.is_some() {
         out.text(&report.line())?;
@@ -230,7 +219,7 @@ mod tests {
         let later = Loaded { view: Some(view), ..plain.clone() };
         let triangle = |line: &str, scene| {
             let options = Options::parse_from(line.split(' ')).viewer(&plain);
-            (options.methods)(scene).triangle.name()
+            (options.settings)(scene).methods.triangle.name()
         };
         let found =
             [triangle("view", &plain), triangle("view", &later), triangle("view --triangle woop", &later)];

@@ -234,7 +234,8 @@ impl Frame<'_> {
                     if objects[x] == MISS {
                         color = self.clamp_to_neighbourhood(color, [x, y]);
                     }
-                    let kept = samples.min(max_samples(lobes[x]));
+                    let most = MAX_SAMPLES.min(MAX_SAMPLES_ON_MIRRORS + 2.0 * MAX_SAMPLES * lobes[x]);
+                    let kept = samples.min(most);
                     let color = blend(color, kept, fresh, self.samples);
                     entry.value = Vec3A::from_array(color).extend(kept + self.samples);
                 }
@@ -257,11 +258,6 @@ impl Frame<'_> {
         }
         std::array::from_fn(|channel| color[channel].max(least[channel]).min(most[channel]))
     }
-}
-
-/// The cap on the history's sample count on a surface with this lobe width.
-fn max_samples(lobe: f32) -> f32 {
-    MAX_SAMPLES.min(MAX_SAMPLES_ON_MIRRORS + 2.0 * MAX_SAMPLES * lobe)
 }
 
 impl PreviousFrame<'_> {

@@ -64,7 +64,9 @@ impl Baseline {
         let mut ratios = Vec::new();
         for (scene, results) in report.scenes.iter().zip(report.engines()) {
             let Some((old_scene, olds)) = self.speeds(scene) else { continue };
-            found.extend(scene.differences(old_scene));
+            let of_content = differences(&json(&scene.content), &json(&old_scene.content));
+            let named = |(name, values)| (format!("{name} of {}", scene.scene), values);
+            found.extend(of_content.into_iter().map(named));
             let like = |engine| olds.iter().find(|old| old.engine() == engine);
             let mut pairs: Vec<_> =
                 results.iter().filter_map(|new| Some((new, like([new.lanes, new.threads])?))).collect();
@@ -72,11 +74,9 @@ impl Baseline {
                 pairs.extend(results.first().zip(olds.first()));
             }
             ratios.extend(pairs.into_iter().map(|(new, old)| {
-                let reliable = new.reliability.reliable && self.reliable;
-                let reliability = Reliability { reliable, ..new.reliability };
                 let rates = [(new.fps_median, new.fps_spread), (old.fps_median, old.fps_spread)];
                 let (scene, there) = (scene.scene.clone(), old.engine());
-                let ratio = new_over_old(rates, reliability);
+                let ratio = new_over_old(rates, new.reliability, self.reliable);
                 Over { scene, lanes: new.lanes, threads: new.threads, there, ratio }
             }));
         }
@@ -94,11 +94,14 @@ pub fn text(report: &Report) -> String {
     table(&(meaning("frames", "frames") + none + &in_words(differences)), ratios)
 }
 
-/// Returns the ratio of two rates, the new one first, each with its slow and its fast tenth.
+/// Returns the ratio of two rates, the new one first, each with its slow and its fast tenth. It is reliable
+/// where both are.
 pub fn new_over_old(
     [(new, [slow, fast]), (old, [old_slow, old_fast])]: [(f64, [f64; 2]); 2],
-    reliability: Reliability,
+    of_new: Reliability,
+    is_old_reliable: bool,
 ) -> Ratio {
+    let reliability = Reliability { reliable: of_new.reliable && is_old_reliable, ..of_new };
     Ratio { median: new / old, spread: [slow / old_fast, fast / old_slow], rounds: 1, reliability }
 }
 

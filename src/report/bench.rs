@@ -2,8 +2,8 @@
 
 use super::compare::agreement;
 use super::numbers::{figure, mark, ratio};
-use super::settings::{Differences, RunSettings, differences, in_words, json, own_sizes, traversals};
-use super::stats::{self, engine};
+use super::settings::{Differences, RunSettings, in_words, own_sizes, traversals};
+use super::stats::{self, engine, engine_name};
 use super::text::{self, paragraph};
 use crate::checkpoint::Fingerprint;
 use crate::lane::WIDTHS;
@@ -56,12 +56,6 @@ impl MeasuredScene {
     pub fn of(scene: &Scene, settings: &Settings) -> Self {
         let (size, bounces) = (settings.resolution, settings.max_bounces);
         Self { scene: scene.name.clone(), size, bounces, content: Fingerprint::from_scene(scene) }
-    }
-
-    /// Returns the differences, each with the scene's name.
-    pub fn differences(&self, other: &Self) -> Differences {
-        let found = differences(&json(&self.content), &json(&other.content));
-        found.into_iter().map(|(name, values)| (format!("{name} of {}", self.scene), values)).collect()
     }
 }
 
@@ -131,11 +125,6 @@ pub fn table(meaning: &str, ratios: &[Over]) -> String {
 }
 
 impl Report {
-    /// Builds a report without figures.
-    pub fn new(settings: RunSettings) -> Self {
-        Self { schema: SCHEMA, settings, ..Self::default() }
-    }
-
     /// Returns the results of each scene: all have the same engines.
     pub fn engines(&self) -> impl Iterator<Item = &[Measurement]> {
         let engines = self.results.len() / self.accuracy.len().max(1);
@@ -159,20 +148,18 @@ fn widths() -> Vec<isize> {
 pub fn heading(Report { settings, .. }: &Report, defaults: &RunSettings) -> String {
     let size =
         settings.size.map_or("each scene's size".into(), |[width, height]| format!("{width}×{height}"));
-    let bounces = match settings.bounces {
-        Some(bounces) => format!("up to {}", counted(bounces, "bounce", "bounces")),
-        None => "each scene's bounces".into(),
-    };
+    let bounces = settings.bounces.map(|most| format!("up to {}", counted(most, "bounce", "bounces")));
     let names = std::iter::once("scene".into())
         .chain(WIDTHS.into_iter().rev().map(engine))
         .chain(["all cores", "Mray/s", "differing", "wrong hits", "rmse"].map(String::from));
     format!(
         "{}\n\
-         {}{size}, 1 sample a frame, {bounces}, {}\n\
+         {}{size}, 1 sample a frame, {}, {}\n\
          frames per second: median (1 % low)\n\n\
          {}",
         settings.machine,
         settings.line(defaults),
+        bounces.unwrap_or("each scene's bounces".into()),
         counted(settings.threads[0], "thread", "threads"),
         text::row(&widths(), names)
     )
@@ -252,18 +239,6 @@ pub fn doubt(results: &[Measurement]) -> Option<(&'static str, String)> {
     })
 }
 
-/// Returns the doubt as a clause; a debug build is the first.
-fn unreliable(report: &Report) -> String {
-    let debug = cfg!(debug_assertions).then_some("of a debug build");
-    let why = debug.or_else(|| doubt(&report.results).map(|(why, _)| why));
-    why.map(|why| format!(", {why}: not reliable")).unwrap_or_default()
-}
-
-/// Returns a width and a number of threads in words.
-pub fn engine_name(lanes: usize, threads: usize) -> String {
-    format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
-}
-
 /// Returns the tables of `--stats`: one a scene with a column an engine, and what they mean.
 pub fn stats_of(report: &Report) -> String {
     let tables = report.engines().map(|of_scene| {
@@ -288,11 +263,13 @@ pub fn summary(report: &Report, defaults: &RunSettings) -> String {
         none if none.is_empty() => none,
         options => format!("; {options}"),
     };
+    let debug = cfg!(debug_assertions).then_some("of a debug build");
+    let why = debug.or_else(|| doubt(&report.results).map(|(why, _)| why));
     let machine = &report.settings.machine;
     format!(
         "\noctray bench: {}{}{wrong}; {}{options}; {}, commit {}\n",
         rates.collect::<Vec<_>>().join(", "),
-        unreliable(report),
+        why.map(|why| format!(", {why}: not reliable")).unwrap_or_default(),
         engine_name(first.lanes, first.threads),
         machine.cpu,
         machine.commit
@@ -344,7 +321,8 @@ mod tests {
         let mut report = Report {
             results: [engines(times(7.0), times(2.0)), engines(times(6.0), None)].concat(),
             accuracy: vec![Comparison::default(); 2],
-            ..Report::new(RunSettings::of(Methods::default()))
+            settings: RunSettings::of(Methods::default()),
+            ..Report::default()
         };
         report.results[3].speedup.as_mut().unwrap().reliability.reliable = false;
         let rows = ratios(&report);

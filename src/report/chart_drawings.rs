@@ -13,7 +13,6 @@ use crate::measure::chart::{SceneChart, display, motion, pictures};
 use crate::measure::quantiles::Spread;
 use crate::wording::counted;
 
-/// An error measure.
 type ErrorOf = fn(&Point) -> Spread;
 /// The name of the axis of the usual one.
 const RMSE: &str = "root mean square error (radiance)";
@@ -31,15 +30,6 @@ pub fn of_scene(scene: &SceneChart, seeds: u32) -> [Drawing; 6] {
         ("motion", motion(scene)),
     ];
     figures.map(|(of, figure)| Drawing { name: format!("{name}-{of}"), svg: figure.svg() })
-}
-
-/// Returns the title of a group's panel.
-fn title(group: Group) -> &'static str {
-    match group {
-        Group::Sampling => "Sampling",
-        Group::Speed => "The same picture at another speed",
-        Group::NotRobust => "Methods that are not robust",
-    }
 }
 
 /// Returns the number of a configuration, which gives it one colour in all drawings; 0 is the default's.
@@ -62,7 +52,11 @@ fn pictures(scene: &SceneChart, seeds: u32, y: &str, error: ErrorOf) -> Figure {
     let shared = Line { name, look: Look::Front, points, ..Line::default() };
     let panels = GROUPS.into_iter().filter(|(group, _)| of(Some(*group)).next().is_some());
     let panels = panels.map(|(group, _)| Panel {
-        title: title(group).into(),
+        title: match group {
+            Group::Sampling => "Sampling".into(),
+            Group::Speed => "The same picture at another speed".into(),
+            Group::NotRobust => "Methods that are not robust".into(),
+        },
         lines: std::iter::once(shared.clone()).chain(of(None)).chain(of(Some(group))).collect(),
     });
     let [width, height] = scene.size;
@@ -150,11 +144,10 @@ fn frames(scene: &SceneChart) -> Figure {
         Line { figure, ..line(frames.configuration, number(frames.configuration), points) }
     });
     let (threads, seeds) = scene.frames.first().map_or((1, 0), |frames| (frames.threads, frames.seeds));
-    let notes = [
-        size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-        "Numbers: passes (one sample per pixel) per second.".into(),
-    ];
-    of_frames(scene, "accumulation in a window", notes, "seconds of accumulation".into(), lines.collect())
+    let runs = (threads, counted(seeds, "seed", "seeds"));
+    let note = "Numbers: passes (one sample per pixel) per second.";
+    let x = "seconds of accumulation".into();
+    of_frames(scene, "accumulation in a window", runs, note, x, lines.collect())
 }
 
 /// Draws the error of a picture with several display filters against the time to render and to filter it.
@@ -166,12 +159,10 @@ fn display(scene: &SceneChart) -> Figure {
         line(filter, number, shown.map(|shown| Some([time(shown), shown.rmse?.median])))
     });
     let (threads, seeds) = scene.display.first().map_or((1, 0), |shown| (shown.threads, shown.seeds));
-    let notes = [
-        size_and(scene, threads, &counted(seeds, "seed", "seeds")),
-        "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.".into(),
-    ];
+    let runs = (threads, counted(seeds, "seed", "seeds"));
+    let note = "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.";
     let x = format!("time, × rendering one pass ({} ms)", figure(unit, 2));
-    of_frames(scene, "a picture with display filters", notes, x, lines.collect())
+    of_frames(scene, "a picture with display filters", runs, note, x, lines.collect())
 }
 
 /// Draws the error of frames of a moving camera against the time to render and to filter them.
@@ -186,17 +177,10 @@ fn motion(scene: &SceneChart) -> Figure {
         Line { figure, look: Look::Plain, ..line }
     });
     let (frames, threads) = scene.motion.first().map_or((0, 1), |moving| (moving.frames, moving.threads));
-    let notes = [
-        size_and(scene, threads, &counted(frames, "frame", "frames")),
-        "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.".into(),
-    ];
-    of_frames(
-        scene,
-        "one pass a frame, in motion",
-        notes,
-        "time of a frame, × rendering it".into(),
-        lines.collect(),
-    )
+    let runs = (threads, counted(frames, "frame", "frames"));
+    let note = "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.";
+    let x = "time of a frame, × rendering it".into();
+    of_frames(scene, "one pass a frame, in motion", runs, note, x, lines.collect())
 }
 
 /// Returns a line through the known points; number 0 is the default.
@@ -205,17 +189,20 @@ fn line(name: &str, number: usize, points: impl Iterator<Item = Option<[f64; 2]>
     Line { name: name.into(), look, number, points: points.flatten().collect(), ..Line::default() }
 }
 
-/// Draws RMSE in one plane.
-fn of_frames(scene: &SceneChart, what: &str, notes: [String; 2], x: String, lines: Vec<Line>) -> Figure {
+/// Draws RMSE in one plane; `runs` are the threads, and how often they measured.
+fn of_frames(
+    scene: &SceneChart,
+    what: &str,
+    (threads, runs): (usize, String),
+    note: &str,
+    x: String,
+    lines: Vec<Line>,
+) -> Figure {
     let title = format!("{}: {what}", scene.scene);
+    let ([width, height], threads) = (scene.frame_size, counted(threads, "thread", "threads"));
     let unknown = "Left out: points whose error cannot be told from that of the ground truth.";
-    let notes = notes.into_iter().chain([unknown.into()]).collect();
+    let notes = vec![format!("{width}×{height}, {threads}, {runs}."), note.into(), unknown.into()];
     Figure { title, notes, x, y: RMSE.into(), panels: vec![Panel { lines, ..Panel::default() }] }
-}
-
-fn size_and(scene: &SceneChart, threads: usize, more: &str) -> String {
-    let [width, height] = scene.frame_size;
-    format!("{width}×{height}, {}, {more}.", counted(threads, "thread", "threads"))
 }
 
 #[cfg(test)]

@@ -45,16 +45,12 @@ fn of_family(family: &str, kernels: &[Kernel]) -> DotTable {
         notes.push(format!(
             "Error: of t where no method failed, 99th percentile; test case {test_case} at {place}."
         ));
+        let scientific = |p99: f64| if p99 == 0.0 { "0".into() } else { format!("{p99:.0e}") };
         columns.push(log("error of t", &|kernel| kernel.p99.map(|p99| (p99, scientific(p99)))));
     }
     let rows = at(widest).map(|kernel| (kernel.method.to_owned(), kernel.default)).collect();
     let title = format!("{family} tests: what each method costs, and where it fails");
     DotTable { title, notes, rows, columns }
-}
-
-/// Formats a number as one digit and a power of ten.
-fn scientific(value: f64) -> String {
-    if value == 0.0 { "0".into() } else { format!("{value:.0e}") }
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use super::numbers::ratio;
 use super::settings::{RunSettings, traversals};
 use super::text;
-use crate::lane::FUSED;
 use crate::measure::compare::Comparison;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
@@ -26,23 +25,12 @@ pub struct HashReport {
     pub results: Vec<FilmHash>,
 }
 
-impl Default for HashReport {
-    fn default() -> Self {
-        Self { schema: "octray-hash-1", fused: FUSED, results: Vec::new() }
-    }
-}
-
 /// The hash of a scene's film: see [`crate::film::Picture::hash`].
 #[derive(Debug, Serialize)]
 pub struct FilmHash {
     pub scene: String,
     /// 16 hexadecimal digits.
     pub hash: String,
-}
-
-/// Returns a scene's hash, and whether the build has fused multiply-add.
-pub fn hash_row(FilmHash { scene, hash }: &FilmHash) -> String {
-    format!("{hash}  {}  {scene}\n", if FUSED { "fused" } else { "plain" })
 }
 
 const WIDTHS: [isize; 8] = [-24, 11, 11, 11, 23, 12, 12, 12];

@@ -30,7 +30,6 @@ const ROW: i32 = 52;
 const GAP: i32 = 40;
 /// Distance from a dot's middle to its text, and from an axis to the dot at its lower end.
 const ASIDE: i32 = 20;
-/// Most ticks of an axis.
 const TICKS: usize = 3;
 
 impl DotTable {

@@ -66,7 +66,6 @@ const SAMPLE: [i32; 2] = [RIGHT + 24, RIGHT + 70];
 const NAME: i32 = RIGHT + 84;
 /// Most letters of a line of the legend.
 const LABEL_LETTERS: usize = 24;
-/// Most ticks of an axis.
 const TICKS: usize = 7;
 
 impl Figure {

@@ -5,9 +5,9 @@ use super::settings::{as_options, json};
 use super::text::item;
 use crate::buffers::Features;
 use crate::lights::{EnvironmentLight, LightChoice, Lights};
-use crate::render::features_of;
+use crate::render::{TraversalChoice, features_of};
 use crate::scene::{
-    Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, View, point_in_file,
+    Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, point_in_file,
 };
 use crate::wording::{counted, grouped};
 use glam::Vec3;
@@ -32,19 +32,17 @@ pub struct Inspection {
     /// How many there are of each type, used or not; then emissive and textured ones of any type.
     #[serde(serialize_with = "as_map")]
     materials: Vec<(&'static str, usize)>,
-    /// Textures in the order of the scene.
     textures: Vec<TextureReport>,
     sky: SkyReport,
     /// The point of the file relative to which coordinates are rounded, and a length of 1 in single
     /// precision.
-    origin: PointReport,
+    origin: [f64; 3],
     unit: f64,
     camera: CameraReport,
     /// The box around everything; `None` for a scene of sky alone.
     bounds: Option<Bounds>,
     /// Features that the scene's pipeline must have.
     needs: Vec<&'static str>,
-    /// The lights that next event estimation samples.
     lights: LightReport,
     /// Bytes of the scene's lists and texels, without buffers and hierarchy.
     memory_bytes: usize,
@@ -53,7 +51,6 @@ pub struct Inspection {
     /// The default methods that matter to this scene.
     defaults: Vec<DefaultReport>,
     hierarchy: Option<HierarchyReport>,
-    /// The loader's warnings, a sentence each.
     warnings: Vec<String>,
 }
 
@@ -70,9 +67,9 @@ struct TextureReport {
 #[derive(Debug, Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 enum SkyReport {
-    Color { color: Vec3Report },
-    Gradient { bottom: Vec3Report, top: Vec3Report },
-    Texture { texture: String, color: Vec3Report, turn_degrees: f32 },
+    Color { color: [f32; 3] },
+    Gradient { bottom: [f32; 3], top: [f32; 3] },
+    Texture { texture: String, color: [f32; 3], turn_degrees: f32 },
 }
 
 /// The emitters that next event estimation samples; paths hit the others by scattering alone.
@@ -88,23 +85,21 @@ struct LightReport {
     sky_contrast: Option<f64>,
 }
 
+/// The camera, its points in the coordinates of the file.
 #[derive(Debug, Serialize)]
 struct CameraReport {
-    position: PointReport,
-    look_at: PointReport,
-    up: Vec3Report,
+    position: [f64; 3],
+    look_at: [f64; 3],
+    up: [f32; 3],
     vertical_fov: f32,
 }
 
+/// Points in the coordinates of the file.
 #[derive(Debug, Serialize)]
 struct Bounds {
-    lower: PointReport,
-    upper: PointReport,
+    lower: [f64; 3],
+    upper: [f64; 3],
 }
-
-type Vec3Report = [f32; 3];
-/// A point, in the coordinates of the file.
-type PointReport = [f64; 3];
 
 /// The content of a view, except its camera.
 #[derive(Debug, Serialize)]
@@ -118,22 +113,20 @@ struct ViewReport {
 impl Inspection {
     pub fn of(spec: String, scene: &Loaded) -> Self {
         let traversal = TraversalReport::of(scene);
+        let has_hierarchy = traversal.primary != TraversalChoice::Linear.name();
         let lights = Lights::new(scene, LightChoice::default());
         let in_file = |point| point_in_file(point, &scene.coordinates).into();
+        let is_smooth = |normals: &&[Vec3; 3]| normals.iter().any(|normal| *normal != Vec3::ZERO);
         Self {
             schema: "octray-inspect-1",
             scene: spec,
             name: scene.name.clone(),
-            view: scene.view.as_ref().map(ViewReport::of),
+            view: scene.view.as_ref().map(|view| ViewReport { of: view.scene.clone(), render: view.render }),
             resolution: scene.resolution,
             max_bounces: scene.max_bounces,
             spheres: scene.spheres.len(),
             triangles: scene.triangles.len(),
-            smooth_triangles: scene
-                .normals
-                .iter()
-                .filter(|normals| normals.iter().any(|n| *n != Vec3::ZERO))
-                .count(),
+            smooth_triangles: scene.normals.iter().filter(is_smooth).count(),
             materials: materials(&scene.materials),
             textures: scene.textures.iter().map(TextureReport::of).collect(),
             sky: SkyReport::of(scene),
@@ -152,7 +145,7 @@ impl Inspection {
             needs: Features::of(scene).with(features_of(scene)).with(lights.needs()).names(),
             lights: LightReport::of(scene, &lights),
             memory_bytes: memory(scene),
-            hierarchy: traversal.needs_hierarchy().then(|| HierarchyReport::of(scene)),
+            hierarchy: has_hierarchy.then(|| HierarchyReport::of(scene)),
             traversal,
             defaults: DefaultReport::all(scene),
             warnings: scene.warnings.clone(),
@@ -161,18 +154,23 @@ impl Inspection {
 
     /// Tests whether the hierarchy, if there is one, is valid.
     pub fn is_valid(&self) -> bool {
-        self.hierarchy.as_ref().is_none_or(HierarchyReport::is_valid)
+        self.hierarchy.as_ref().is_none_or(|hierarchy| hierarchy.fault.is_none())
     }
 
-    /// Returns the name and the text of each fact; with `why`, the reasons for methods too.
-    fn lines(&self, why: bool) -> Vec<(&'static str, String)> {
+    /// Returns the report for people: the name and the text of each fact; with `why`, the reasons for
+    /// methods too.
+    pub fn text(&self, why: bool) -> String {
         let [width, height] = self.resolution;
         let smooth = match self.smooth_triangles {
             0 => String::new(),
             count => format!(" ({} with vertex normals)", grouped(count)),
         };
         let mut lines = vec![("scene", self.name.clone())];
-        lines.extend(self.view.iter().flat_map(ViewReport::lines));
+        if let Some(ViewReport { of, render }) = &self.view {
+            let options = as_options(json(render).as_object().into_iter().flatten());
+            lines.push(("view of", of.clone()));
+            lines.extend((!options.is_empty()).then_some(("render", options)));
+        }
         lines.extend([
             ("resolution", format!("{width}×{height}")),
             ("bounces", format!("up to {}", self.max_bounces)),
@@ -182,65 +180,41 @@ impl Inspection {
         ]);
         lines.extend(self.textures.iter().map(|texture| ("texture", texture.text())));
         let CameraReport { position, look_at, vertical_fov, .. } = self.camera;
-        let [position, look_at] = [position, look_at].map(vector);
-        lines.push(("sky", self.sky.text()));
-        lines.push((
-            "camera",
-            format!("at {position} towards {look_at}, vertical field of view {vertical_fov}°"),
-        ));
-        let bounds = self
-            .bounds
-            .as_ref()
-            .map(|bounds| format!("{} to {}", vector(bounds.lower), vector(bounds.upper)));
-        lines.push(("bounds", bounds.unwrap_or_else(|| "none: the scene is sky alone".into())));
+        let [position, look_at, origin] = [position, look_at, self.origin].map(vector);
+        let bounds = match self.bounds {
+            Some(Bounds { lower, upper }) => format!("{} to {}", vector(lower), vector(upper)),
+            None => "none: the scene is sky alone".into(),
+        };
         let unit = if self.unit == 1.0 { String::new() } else { format!(", in units of {:e}", self.unit) };
-        let origin = vector(self.origin);
-        lines.push(("origin", format!("{origin}: coordinates are rounded relative to it{unit}")));
-        lines.push(("needs", self.needs.join(", ")));
-        lines.push(("lights", self.lights.text()));
-        lines.push(("memory", DecimalBytes(self.memory_bytes as u64).to_string()));
-        lines.push(("traversal", self.traversal.text()));
+        lines.extend([
+            ("sky", self.sky.text()),
+            ("camera", format!("at {position} towards {look_at}, vertical field of view {vertical_fov}°")),
+            ("bounds", bounds),
+            ("origin", format!("{origin}: coordinates are rounded relative to it{unit}")),
+            ("needs", self.needs.join(", ")),
+            ("lights", self.lights.text()),
+            ("memory", DecimalBytes(self.memory_bytes as u64).to_string()),
+            ("traversal", self.traversal.text()),
+        ]);
         if why {
             lines.push(("why", self.traversal.why()));
             lines.extend(self.defaults.iter().map(|default| ("default", default.text())));
         }
         lines.extend(self.hierarchy.as_ref().map(|hierarchy| ("hierarchy", hierarchy.text())));
         lines.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
-        lines
-    }
-
-    /// Returns the report for people, with or without the reasons for methods.
-    pub fn text(&self, why: bool) -> String {
-        self.lines(why).into_iter().map(|(name, value)| item(name, 11, &value)).collect()
+        lines.into_iter().map(|(name, value)| item(name, 11, &value)).collect()
     }
 }
 
-impl ViewReport {
-    fn of(view: &View) -> Self {
-        Self { of: view.scene.clone(), render: view.render }
-    }
-
-    /// Returns the scene viewed, and the options as on a command line.
-    fn lines(&self) -> Vec<(&'static str, String)> {
-        let render = json(&self.render);
-        let options = as_options(render.as_object().into_iter().flatten());
-        let lines = [("view of", self.of.clone()), ("render", options)];
-        lines.into_iter().filter(|(_, text)| !text.is_empty()).collect()
-    }
-}
-
-/// The types of materials, and what those of any type may be.
+/// The types of materials.
 const TYPES: [&str; 7] = ["diffuse", "metal", "glass", "scatter", "plastic", "metal-rough", "emitter"];
-const TRAITS: [&str; 2] = ["emissive", "textured"];
 
 fn materials(all: &[Material]) -> Vec<(&'static str, usize)> {
-    let is = |material: &Material, name| match name {
-        "emissive" => material.emits(),
-        "textured" => material.texture.is_some(),
-        name => name == type_of(material.kind),
-    };
-    let count = |name| (name, all.iter().filter(|material| is(material, name)).count());
-    TYPES.into_iter().chain(TRAITS).map(count).collect()
+    let of_type = |name| all.iter().filter(|material| type_of(material.kind) == name).count();
+    let emissive = all.iter().filter(|material| material.emits()).count();
+    let textured = all.iter().filter(|material| material.texture.is_some()).count();
+    let types = TYPES.into_iter().map(|name| (name, of_type(name)));
+    types.chain([("emissive", emissive), ("textured", textured)]).collect()
 }
 
 /// Returns the name of a material type, as in scene files.
@@ -352,12 +326,9 @@ impl SkyReport {
 /// Returns the bytes of the scene's lists, from which the buffers are built. The buffers are not counted.
 fn memory(scene: &Scene) -> usize {
     let texels: usize = scene.textures.iter().map(|texture| texture.texels.bytes()).sum();
-    texels
-        + size_of_val(&scene.spheres[..])
-        + size_of_val(&scene.triangles[..])
-        + size_of_val(&scene.uvs[..])
-        + size_of_val(&scene.normals[..])
-        + size_of_val(&scene.materials[..])
+    let Scene { spheres, triangles, uvs, normals, materials, .. } = scene;
+    let vertices = size_of_val(&triangles[..]) + size_of_val(&uvs[..]) + size_of_val(&normals[..]);
+    texels + vertices + size_of_val(&spheres[..]) + size_of_val(&materials[..])
 }
 
 fn vector<T: Display>([x, y, z]: [T; 3]) -> String {

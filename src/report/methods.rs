@@ -7,7 +7,7 @@ use crate::lane::{F32x8, Lane};
 use crate::machine;
 use crate::measure::rays::{self, BuildTime};
 use crate::rays::{Kind, MAX_LIST_COST, Statistics};
-use crate::render::{LaneChoice, Methods, TraversalChoice, features_of};
+use crate::render::{LaneChoice, Methods, features_of};
 use crate::scene::Scene;
 use crate::wording::{counted, grouped};
 use indicatif::DecimalBytes;
@@ -17,7 +17,7 @@ use serde::Serialize;
 #[derive(Debug, Serialize)]
 pub struct TraversalReport {
     /// The traversal of camera rays, as `--traversal` names it.
-    primary: &'static str,
+    pub primary: &'static str,
     /// The traversal of rays after a bounce.
     bounces: &'static str,
     /// Cost of testing every primitive, per ray, in units of a sphere test.
@@ -38,7 +38,7 @@ pub struct HierarchyReport {
     /// Null for an invalid hierarchy.
     tree: Option<Statistics>,
     /// Why it is invalid: a bug in octray.
-    fault: Option<String>,
+    pub fault: Option<String>,
 }
 
 impl TraversalReport {
@@ -52,11 +52,6 @@ impl TraversalReport {
             linear_cost: scene.counts().list_cost(),
             most_linear_cost: MAX_LIST_COST,
         }
-    }
-
-    /// Tests whether rays traverse a hierarchy.
-    pub fn needs_hierarchy(&self) -> bool {
-        self.primary != TraversalChoice::Linear.name()
     }
 
     pub fn text(&self) -> String {
@@ -92,10 +87,6 @@ impl HierarchyReport {
             fault: tree.as_ref().err().cloned(),
             tree: tree.ok(),
         }
-    }
-
-    pub fn is_valid(&self) -> bool {
-        self.fault.is_none()
     }
 
     pub fn text(&self) -> String {
@@ -141,7 +132,6 @@ pub struct DefaultReport {
 impl DefaultReport {
     /// Returns the defaults that make a difference to this scene.
     pub fn all(scene: &Scene) -> Vec<Self> {
-        let (spheres, triangles) = (!scene.spheres.is_empty(), !scene.triangles.is_empty());
         let hierarchy = features_of(scene).contains(Features::HIERARCHY);
         let (lanes, why_lanes) = match LaneChoice::Auto.lanes() {
             16 if hierarchy => (
@@ -154,32 +144,17 @@ impl DefaultReport {
             ),
             _ => ("8", "this build has vectors of 8; with AVX-512, 16 is the faster one"),
         };
+        let why_sphere = "at 1,000 radii it is wrong on less than one ray in 100,000, naive on one in 28, for hardly more time";
+        let why_triangle = "no ray slips through an edge or a vertex; of rays aimed at edges, moller-trumbore loses one in six";
+        let why_sampler =
+            "Sobol points cost a few per cent more than independent numbers and leave less noise";
+        let why_pipeline = "it is compiled for the smallest set of features that holds the scene's; the picture stays the same";
         let all = [
-            (
-                spheres,
-                "sphere",
-                "robust",
-                "at 1,000 radii it is wrong on less than one ray in 100,000, naive on one in 28, for hardly more time",
-            ),
-            (
-                triangles,
-                "triangle",
-                "woop",
-                "no ray slips through an edge or a vertex; of rays aimed at edges, moller-trumbore loses one in six",
-            ),
+            (!scene.spheres.is_empty(), "sphere", "robust", why_sphere),
+            (!scene.triangles.is_empty(), "triangle", "woop", why_triangle),
             (true, "lanes", lanes, why_lanes),
-            (
-                true,
-                "sampler",
-                "sobol",
-                "Sobol points cost a few per cent more than independent numbers and leave less noise",
-            ),
-            (
-                true,
-                "pipeline",
-                "auto",
-                "it is compiled for the smallest set of features that holds the scene's; the picture stays the same",
-            ),
+            (true, "sampler", "sobol", why_sampler),
+            (true, "pipeline", "auto", why_pipeline),
         ];
         let matters = all.into_iter().filter(|(matters, ..)| *matters);
         matters.map(|(_, option, default, why)| Self { option, default, why }).collect()

@@ -34,47 +34,31 @@ small { color: #555 }
 @media print { figure svg { min-width: 0; max-height: 12cm } figure, table { break-inside: avoid } body { max-width: none; font-size: 10px } table { font-size: 7px } th, td { padding: 0.1rem 0.3rem } }
 ";
 
-/// The words of the page.
-const WORDS: [(&str, &str); 17] = [
-    ("ground truth", "a picture of so many samples that its own error is small"),
-    (
-        "RMSE",
-        "root mean square error: the root of the mean of (x − y)² over channels, y the ground truth's; bright regions dominate it",
-    ),
-    (
-        "relMSE",
-        "relative mean square error: the mean of (x − y)² / (y² + 0.01); dark and bright regions count alike",
-    ),
-    ("trimmed", "without the worst 0.1 % of pixels, so that a few fireflies do not decide"),
-    ("FLIP", "the difference that a viewer notices on a display, 0 to 1 (Andersson et al. 2020)"),
-    (
-        "time to equal error",
-        "the time to the last error of a configuration, or to the default's where that is larger, over the default's time to the same error",
-    ),
-    (
-        "dominated",
-        "of a configuration: for nine of ten seeds, a robust one has a smaller error in the same time, at each point; of a method: another is \
-         faster beyond the spread, with no larger error and no more failures",
-    ),
-    ("sooner, later", "of 10 to 90 % of the seeds, the time to equal error is below 1, or above 1"),
-    ("as default", "the time to equal error cannot be told from the default's"),
-    (
-        "unreliable",
-        "of the configuration or of the default: fewer than three points, or times of the same work that differ by more than half; it is compared \
-         with none",
-    ),
-    (
-        "taken",
-        "the share of the time that other programs took: above 0.05 the machine was busy. Then processor time decides where one thread runs; \
-         times of more threads are not reliable",
-    ),
-    ("p99", "the error of t that 99 % of the cases stay below"),
-    ("failures", "the share of the cases that fail"),
-    ("fps", "passes (one sample per pixel) per second"),
-    ("times lower", "how many times lower the error is than that of the unfiltered frame"),
-    ("–", "unknown: of errors, below that of the ground truth"),
-    ("FXAA", "a filter that smooths the edges of a displayed picture (Lottes 2009)"),
-];
+/// The words of the page, a line each, and what they mean.
+const WORDS: &str = "\
+ground truth: a picture of so many samples that its own error is small
+RMSE: root mean square error: the root of the mean of (x − y)² over channels, y the ground truth's; bright regions \
+dominate it
+relMSE: relative mean square error: the mean of (x − y)² / (y² + 0.01); dark and bright regions count alike
+trimmed: without the worst 0.1 % of pixels, so that a few fireflies do not decide
+FLIP: the difference that a viewer notices on a display, 0 to 1 (Andersson et al. 2020)
+time to equal error: the time to the last error of a configuration, or to the default's where that is larger, over \
+the default's time to the same error
+dominated: of a configuration: for nine of ten seeds, a robust one has a smaller error in the same time, at each \
+point; of a method: another is faster beyond the spread, with no larger error and no more failures
+sooner, later: of 10 to 90 % of the seeds, the time to equal error is below 1, or above 1
+as default: the time to equal error cannot be told from the default's
+unreliable: of the configuration or of the default: fewer than three points, or times of the same work that differ \
+by more than half; it is compared with none
+taken: the share of the time that other programs took: above 0.05 the machine was busy. Then processor time decides \
+where one thread runs; times of more threads are not reliable
+p99: the error of t that 99 % of the cases stay below
+failures: the share of the cases that fail
+fps: passes (one sample per pixel) per second
+times lower: how many times lower the error is than that of the unfiltered frame
+–: unknown: of errors, below that of the ground truth
+FXAA: a filter that smooths the edges of a displayed picture (Lottes 2009)
+";
 
 pub fn page(chart: &Chart) -> String {
     let drawings: Vec<[Drawing; 6]> = chart.scenes.iter().map(|scene| of_scene(scene, chart.seeds)).collect();
@@ -273,7 +257,7 @@ fn glossary(chart: &Chart) -> Markup {
         (explained(MEANINGS.into_iter().filter(|(name, _)| measured(name))))
         h2 { "What the words mean" }
         p { "Of two lines the lower left one is better. Where they cross, it depends on the time available." }
-        (explained(WORDS.into_iter()))
+        (explained(WORDS.lines().filter_map(|line| line.split_once(": "))))
     }
 }
 

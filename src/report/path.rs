@@ -2,6 +2,7 @@
 
 use super::inspection::type_of;
 use super::text::row;
+use crate::render::Settings;
 use crate::scene::Scene;
 use crate::wording::counted;
 use serde_json::Value;
@@ -12,17 +13,14 @@ const ROWS: [&str; 8] =
     ["distance", "point", "normal", "throughput", "+ emitted", "light direction", "+ light", "= radiance"];
 
 /// Formats the JSON report as text for people. Rows that say nothing are left out.
-pub fn text(report: &Value, scene: &Scene) -> String {
-    let settings = &report["settings"];
-    let whole = |value: &Value| value.as_u64().unwrap_or_default();
-    let [x, y] = [0, 1].map(|at| whole(&report["pixel"][at]));
-    let [width, height] = [0, 1].map(|at| whole(&settings["size"][at]));
+pub fn text(report: &Value, scene: &Scene, settings: &Settings) -> String {
+    let Settings { resolution: [width, height], max_bounces, seed, .. } = settings;
+    let [x, y] = [0, 1].map(|at| &report["pixel"][at]);
     let mut text = format!(
-        "pixel {x},{y} of {width}×{height}, sample {}, up to {}, seed {}\n\
+        "pixel {x},{y} of {width}×{height}, sample {}, up to {}, seed {seed}\n\
          + is what the path adds to the pixel, times the throughput; = is their sum so far\n\n",
         report["sample"],
-        counted(whole(&settings["bounces"]), "bounce", "bounces"),
-        settings["seed"]
+        counted(max_bounces, "bounce", "bounces"),
     );
     text += &row(&WIDTHS, ["", "f64: reference", "", "", "f32: engine"]);
     let count = ["f64", "f32"].map(|key| report[key].as_array().map_or(0, Vec::len));

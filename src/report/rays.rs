@@ -6,7 +6,6 @@ use super::numbers::{mark, ratio, times};
 use super::settings::{Differences, RunSettings, differences, in_words, json};
 use super::stats;
 use super::text::{busy, paragraph, row};
-use crate::measure::cores::Reliability;
 use crate::measure::rays::{BuildTime, Measurement};
 use crate::measure::stats::RayStats;
 use crate::rays::{Statistics, Traversal};
@@ -14,7 +13,7 @@ use crate::render::TraversalChoice;
 use crate::scene::Scene;
 use crate::wording::{counted, grouped};
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 const SCHEMA: &str = "octray-rays-1";
 /// The keys that identify a row of the results.
@@ -93,10 +92,9 @@ impl Report {
     /// Adds the ratios to an earlier report, and what differs in it.
     pub fn compare(&mut self, baseline: &Value) {
         let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
-        let parts = |report: &Value| {
-            let [settings, scene, triangles, spheres] =
-                ["settings", "scene", "triangles", "spheres"].map(|key| &report[key]);
-            json!({ "settings": settings, "scene": scene, "triangles": triangles, "spheres": spheres })
+        let parts = |report: &Value| -> Value {
+            let keys = ["settings", "scene", "triangles", "spheres"];
+            keys.into_iter().map(|key| (key, report[key].clone())).collect()
         };
         self.baseline_differences = Some(differences(&parts(&json(self)), &parts(baseline)));
         for new in &mut self.results {
@@ -105,10 +103,9 @@ impl Report {
             let old = baseline["results"].as_array().into_iter().flatten().find(is_same);
             new.over_baseline = old.map(|old| {
                 let spread = [0, 1].map(|end| number(&old["mrays_per_s_spread"][end]));
-                let reliable = new.reliability.reliable && old["reliable"] == true;
                 let rates =
                     [(new.mrays_per_s, new.mrays_per_s_spread), (number(&old["mrays_per_s"]), spread)];
-                new_over_old(rates, Reliability { reliable, ..new.reliability })
+                new_over_old(rates, new.reliability, old["reliable"] == true)
             });
         }
     }

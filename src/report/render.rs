@@ -85,23 +85,17 @@ impl Report {
     /// sample, `options` those that differ from the defaults.
     pub fn line(&self, wanted: u32, begun: f64, options: &str) -> String {
         let Self { output, width, height, samples, most_samples, seconds, mrays_per_s, .. } = self;
-        let had = if samples == most_samples {
-            grouped(samples)
-        } else {
-            format!("{} to {}", grouped(samples), grouped(most_samples))
+        let range = |[least, most]: [&u32; 2]| format!("{} to {}", grouped(least), grouped(most));
+        let (had, mean) = match samples == most_samples {
+            true => (grouped(samples), String::new()),
+            false => (range([samples, most_samples]), format!(" (mean {})", figure(self.mean_samples, 0))),
         };
         let of_wanted = if self.interrupted { format!(" of {}", grouped(wanted)) } else { String::new() };
         let rate = figure(*mrays_per_s, 1);
         let plural = if had == "1" && !self.interrupted { "" } else { "s" };
-        let mean = match samples == most_samples {
-            true => String::new(),
-            false => format!(" (mean {})", figure(self.mean_samples, 0)),
-        };
         let shard = self.shard.map(|[number, of]| format!("shard {number} of {of}, ")).unwrap_or_default();
-        let resumed = match self.resumed_samples {
-            Some(samples) => format!(" ({} resumed)", figure(samples, 0)),
-            None => String::new(),
-        };
+        let resumed = self.resumed_samples.map(|samples| format!(" ({} resumed)", figure(samples, 0)));
+        let resumed = resumed.unwrap_or_default();
         let options = if options.is_empty() { String::new() } else { format!(", options: {options}") };
         let black = match begun < 1.0 {
             true => format!("; {:.0} % of the picture has had none and is black", 100.0 * (1.0 - begun)),
@@ -120,13 +114,12 @@ impl Report {
         if self.target_error.is_none() && self.time_limit.is_none() && !self.interrupted {
             return String::new();
         }
+        let is_over = self.time_limit.is_some_and(|limit| limit < self.seconds);
         let by = match self.ended_by {
             End::Samples => "the limit of samples",
             End::TargetError => "the target error",
             End::TimeLimit if self.samples == 0 => "the time limit, too short for one pass",
-            End::TimeLimit
-                if self.time_limit.is_some_and(|limit| limit < self.seconds) && self.samples == 1 =>
-            {
+            End::TimeLimit if is_over && self.samples == 1 => {
                 "the time limit, too short for more than the first sample"
             }
             End::TimeLimit => "the time limit",

@@ -42,31 +42,18 @@ pub struct RunSettings {
 
 impl RunSettings {
     /// Builds the settings of these methods; all else is a default, or empty.
-    pub fn of(methods: Methods) -> Self {
-        Self {
-            sphere: methods.sphere,
-            triangle: methods.triangle,
-            traversal: methods.traversal,
-            lights: methods.lights,
-            sampler: methods.sampler,
-            machine: Machine::current(),
-            ..Self::default()
-        }
+    pub fn of(Methods { sphere, triangle, traversal, lights, sampler }: Methods) -> Self {
+        let machine = Machine::current();
+        Self { sphere, triangle, traversal, lights, sampler, machine, ..Self::default() }
     }
 
     /// Builds the settings of a picture.
     pub fn of_picture(settings: &Settings) -> Self {
         let Settings { resolution, max_bounces, seed, methods, lanes, threads, pipeline, clamp, .. } =
             *settings;
-        let run = Self {
-            pipeline,
-            seed,
-            lanes: vec![lanes],
-            threads: vec![threads],
-            size: Some(resolution),
-            bounces: Some(max_bounces),
-            ..Self::of(methods)
-        };
+        let (lanes, threads) = (vec![lanes], vec![threads]);
+        let run = Self { pipeline, seed, lanes, threads, ..Self::of(methods) };
+        let run = run.sized(resolution, max_bounces, false);
         run.with("clamp", Some(clamp).filter(|clamp| clamp.is_finite()))
     }
 

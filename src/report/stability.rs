@@ -40,7 +40,6 @@ impl Report {
 const NAME: isize = -28;
 const FIGURE: usize = 8;
 
-/// The widths of the summary's columns.
 const SUMMARY: [isize; 8] = [-21, -24, 9, 8, 9, -26, 9, 9];
 
 /// Returns a row for each test case: the default method where it is worst among the places at which it has a

@@ -8,7 +8,6 @@ use crate::wording::{counted, grouped};
 /// Most bounces that a table shows; the JSON report has all.
 const MOST_BOUNCES: usize = 12;
 
-/// The terms of the tables.
 const TESTS: &str = "\
 A test is one ray, or one frustum around many rays, against one box or primitive; in brackets the number of \
 steps, each of up to one test a lane at once. Traversals of a hierarchy have the machine's lanes, whatever \
@@ -29,9 +28,7 @@ pub fn frames(heading: &str, columns: &[&FrameStats]) -> String {
         let cells = columns.iter().map(|column| cell(column));
         text += &row(&widths, std::iter::once(name.to_owned()).chain(cells));
     };
-    add(heading, &|&FrameStats { lanes, threads, .. }| {
-        format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
-    });
+    add(heading, &|column| engine_name(column.lanes, column.threads));
     for (at, stage) in columns[0].stages.iter().enumerate() {
         let of = |column: &FrameStats| {
             let stage = &column.stages[at];
@@ -108,6 +105,11 @@ fn cell(tests: PerRay) -> String {
 
 fn hundredths(x: f64) -> String {
     grouped(format!("{x:.2}"))
+}
+
+/// Returns a width and a number of threads in words.
+pub fn engine_name(lanes: usize, threads: usize) -> String {
+    format!("{}, {}", engine(lanes), counted(threads, "thread", "threads"))
 }
 
 /// Returns a width in words.

@@ -27,48 +27,31 @@ impl<'a> Row<'a> {
     }
 }
 
-/// A CSV file: its name without extension; the lists, one inside the other, whose objects are rows; columns.
-/// A column is a key, or a name and the path of its value; one with an asterisk is a spread and has three
-/// columns in the file.
-type Table = (&'static str, &'static [&'static str], &'static str);
-
-const TABLES: [Table; 5] = [
-    (
-        "pictures",
-        &["scenes", "pictures", "points"],
-        "scene configuration samples *seconds *wall_s *processor_s *rmse *relmse *relmse_trimmed *flip on_front \
-         reliable taken default_passes",
-    ),
-    (
-        "frames",
-        &["scenes", "frames", "moments"],
-        "scene configuration threads seeds *fps after_s *samples *rmse *flip reliable taken",
-    ),
-    (
-        "display",
-        &["scenes", "display"],
-        "scene filter samples threads seeds *rmse *flip *frame_ms *filter_ms reliable taken",
-    ),
-    (
-        "motion",
-        &["scenes", "motion"],
-        "scene path filter threads frames speed rmse times_lower *frame_ms *filter_ms reliable taken",
-    ),
-    (
-        "kernels",
-        &["kernels"],
-        "family method default lanes ns ns_p10=ns_spread/0 ns_p90=ns_spread/1 wall_ns processor_ns reliable taken \
-         failures failure_test_case=failure_case/test_case failure_place=failure_case/place \
-         p99 error_test_case=error_case/test_case error_place=error_case/place",
-    ),
-];
+/// The CSV files, a line each: the name without extension; the lists, one inside the other, whose objects
+/// are rows; the columns. A column is a key, or a name and the path of its value; one with an asterisk is a
+/// spread and has three columns in the file.
+const TABLES: &str = "\
+pictures scenes/pictures/points scene configuration samples *seconds *wall_s *processor_s *rmse *relmse \
+*relmse_trimmed *flip on_front reliable taken default_passes
+frames scenes/frames/moments scene configuration threads seeds *fps after_s *samples *rmse *flip reliable taken
+display scenes/display scene filter samples threads seeds *rmse *flip *frame_ms *filter_ms reliable taken
+motion scenes/motion scene path filter threads frames speed rmse times_lower *frame_ms *filter_ms reliable taken
+kernels kernels family method default lanes ns ns_p10=ns_spread/0 ns_p90=ns_spread/1 wall_ns processor_ns reliable \
+taken failures failure_test_case=failure_case/test_case failure_place=failure_case/place \
+p99 error_test_case=error_case/test_case error_place=error_case/place
+";
 
 /// Returns the names of all CSV files, and their texts.
 pub fn tables(chart: &Value) -> impl Iterator<Item = (String, String)> {
-    TABLES.iter().map(|table| (format!("{}.csv", table.0), csv(table, chart)))
+    let table = |line: &str| {
+        let [name, lists, columns] = line.splitn(3, ' ').collect::<Vec<_>>()[..] else { return None };
+        Some((format!("{name}.csv"), csv(lists, columns, chart)))
+    };
+    TABLES.lines().filter_map(table)
 }
 
-fn csv((_, lists, columns): &Table, chart: &Value) -> String {
+fn csv(lists: &str, columns: &str, chart: &Value) -> String {
+    let lists: Vec<&str> = lists.split('/').collect();
     let header = columns.split(' ').flat_map(|column| match column.strip_prefix('*') {
         Some(key) => vec![key.to_owned(), format!("{key}_p10"), format!("{key}_p90")],
         None => vec![column.split('=').next().unwrap_or(column).to_owned()],
@@ -84,7 +67,7 @@ fn csv((_, lists, columns): &Table, chart: &Value) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing into memory cannot fail, and all rows are as long as the header.
     writer.write_record(header).expect("memory takes everything");
-    for row in Row::all(chart, lists) {
+    for row in Row::all(chart, &lists) {
         writer.write_record(cells(&row)).expect("a row as long as the header");
     }
     let bytes = writer.into_inner().expect("memory takes everything");
@@ -112,60 +95,24 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Returns the cells of a table's rows, as `name=cell`.
-    fn named(name: &str, chart: &Value) -> Vec<String> {
-        let text = csv(TABLES.iter().find(|table| table.0 == name).unwrap(), chart);
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let header = reader.headers().unwrap().clone();
-        let rows = reader.records().map(|row| {
-            let row = row.unwrap();
-            let cells = header.iter().zip(&row).map(|(name, cell)| format!("{name}={cell}"));
-            cells.collect::<Vec<_>>().join(" ")
-        });
-        rows.collect()
-    }
-
     #[test]
     fn cells_are_those_of_the_innermost_objects_that_have_them() {
         let of = |median: f64| json!({ "median": median, "p10": median - 0.5, "p90": median + 0.25 });
-        let moment = |rmse| json!({ "after_s": 0.5, "samples": of(20.0), "rmse": rmse, "flip": of(40.0) });
-        let moments = [moment(of(30.0)), moment(Value::Null)];
-        let frames = json!({ "configuration": "two, three", "threads": 7, "seeds": 9, "fps": of(10.0), "moments": moments,
-            "reliable": false, "taken": 0.25 });
-        let point = json!({
-            "samples": 1.5, "seconds": of(2.0), "wall_s": of(2.5), "processor_s": of(2.0), "rmse": of(3.0), "relmse": of(4.0), "relmse_trimmed": of(5.0),
-            "flip": of(6.0), "on_front": true,
-        });
-        let pictures =
-            json!([{ "configuration": "one", "reliable": true, "taken": 0.125, "points": [point] }]);
-        let scene =
-            json!({ "scene": "three", "default_pass_s": 0.5, "pictures": pictures, "frames": [frames] });
-        let kernel = json!({
-            "family": "box", "method": "fma", "default": false, "lanes": 8, "ns": 0.5, "ns_spread": [0.25, 0.75], "wall_ns": 0.75, "processor_ns": 0.5, "reliable": true, "taken": null,
-            "p99": null, "failures": 0.0625, "error_case": null, "failure_case": { "test_case": "lost", "place": 12.0 },
-        });
-        let chart = json!({ "seeds": 8, "scenes": [scene], "kernels": [kernel] });
-        let of_frames = "scene=three configuration=two, three threads=7 seeds=9 fps=10 fps_p10=9.5 fps_p90=10.25 \
-                         after_s=0.5 samples=20 samples_p10=19.5 samples_p90=20.25";
-        let flip = "flip=40 flip_p10=39.5 flip_p90=40.25 reliable=false taken=0.25";
-        assert_eq!(
-            named("frames", &chart),
-            [
-                format!("{of_frames} rmse=30 rmse_p10=29.5 rmse_p90=30.25 {flip}"),
-                format!("{of_frames} rmse= rmse_p10= rmse_p90= {flip}"),
-            ]
-        );
-        let pictures = &named("pictures", &chart)[0];
-        assert!(pictures.starts_with("scene=three configuration=one samples=1.5 seconds=2 "), "{pictures}");
-        assert!(
-            pictures.ends_with(" on_front=true reliable=true taken=0.125 default_passes=4"),
-            "{pictures}"
-        );
-        assert_eq!(
-            named("kernels", &chart),
-            ["family=box method=fma default=false lanes=8 ns=0.5 ns_p10=0.25 ns_p90=0.75 wall_ns=0.75 \
-              processor_ns=0.5 reliable=true taken= failures=0.0625 \
-              failure_test_case=lost failure_place=12 p99= error_test_case= error_place="]
-        );
+        let line = |name: &str, rmse: Value, test_case: Value| {
+            let seconds = of(2.0);
+            json!({ "name": name, "rmse": rmse, "spread": [0.25, 0.75], "test_case": test_case,
+                    "reliable": true, "seconds": seconds })
+        };
+        let known = line("one, two", of(30.0), json!({ "of": "lost", "name": "no line's" }));
+        let lines = [known, line("three", Value::Null, Value::Null)];
+        let scene = json!({ "scene": "all", "name": "no line's", "default_pass_s": 0.5, "lines": lines });
+        let columns = "scene name *rmse low=spread/0 of=test_case/of reliable default_passes";
+        let text = csv("scenes/lines", columns, &json!({ "seeds": 8, "scenes": [scene] }));
+        let expected = [
+            "scene,name,rmse,rmse_p10,rmse_p90,low,of,reliable,default_passes",
+            "all,\"one, two\",30,29.5,30.25,0.25,lost,true,4",
+            "all,three,,,,0.25,,true,4",
+        ];
+        assert_eq!(text.lines().collect::<Vec<_>>(), expected);
     }
 }

@@ -42,9 +42,7 @@ pub struct Accumulation {
     due: Instant,
     /// Duration of the last complete pass.
     pass_time: Duration,
-    /// Duration of painting the last frame.
     painting_time: Duration,
-    /// When the pose last changed.
     pose_since: Instant,
 }
 
@@ -176,12 +174,6 @@ impl Accumulation {
         let needed = self.pass_time + self.painting_time;
         let settled = self.progressive && self.pose_since.elapsed() >= SETTLE_TIME;
         self.resolution.adapt(target, needed, settled);
-    }
-
-    /// Completes a partial pass, so that all pixels have the same number of samples, at least one.
-    pub fn equalize_samples(&mut self, renderer: &Renderer) {
-        let uneven = self.film.most_samples().max(1) - self.film.samples();
-        renderer.add_samples(&mut self.film, uneven);
     }
 }
 

@@ -39,7 +39,6 @@ pub enum Motion {
 pub struct CameraController {
     /// The scene's camera.
     home: Camera,
-    /// The scene's coordinates.
     coordinates: Coordinates,
     camera: Camera,
     position: DVec3,
@@ -157,12 +156,8 @@ mod tests {
     }
 
     fn home() -> Camera {
-        Camera {
-            position: Vec3::new(1.0, 2.0, 3.0),
-            look_at: Vec3::new(1.0, 2.0, -7.0),
-            up: Vec3::Y,
-            vertical_fov: 40.0,
-        }
+        let [position, look_at] = [3.0, -7.0].map(|z| Vec3::new(1.0, 2.0, z));
+        Camera { position, look_at, up: Vec3::Y, vertical_fov: 40.0 }
     }
     fn held(motions: &[Motion]) -> BTreeSet<Motion> {
         motions.iter().copied().collect()

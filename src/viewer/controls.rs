@@ -3,8 +3,7 @@
 use super::display_mode::DisplayMode;
 use super::options::Options;
 use octray_engine::choice::Choice;
-use octray_engine::render::{LaneChoice, Settings};
-use octray_engine::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice};
+use octray_engine::render::{LaneChoice, Methods, Settings, SphereChoice, TraversalChoice, TriangleChoice};
 use octray_engine::tone::Tone;
 use octray_formats::scene::{Loaded, MAX_BOUNCES, MAX_SIDE};
 use std::iter;
@@ -37,7 +36,6 @@ pub const PRESETS: [(&str, SphereChoice, TriangleChoice); 2] = [
     ("naive", SphereChoice::Naive, TriangleChoice::MollerTrumbore),
 ];
 
-/// Bounds of [`Controls::scale`].
 const SCALES: [i32; 2] = [-8, 6];
 /// Most pixels that a key can choose: 3840×2160, about 1.5 GB.
 const MAX_PIXELS: f64 = 3840.0 * 2160.0;
@@ -45,7 +43,7 @@ const MAX_PIXELS: f64 = 3840.0 * 2160.0;
 const MAX_STOPS: f32 = 20.0;
 
 /// The present settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Controls {
     /// Scattering events allowed on a path.
     pub bounces: u32,
@@ -57,7 +55,7 @@ pub struct Controls {
     /// All threads of the machine, or of the command line if more.
     pub max_threads: usize,
     /// The width of packets.
-    pub lanes: LaneChoice,
+    pub lanes: usize,
     /// Renders with one lane instead.
     pub scalar: bool,
     /// One of [`PRESETS`]; the methods requested on the command line if `None`.
@@ -75,27 +73,19 @@ pub struct Controls {
 }
 
 impl Controls {
-    /// Returns the settings at the start.
-    pub fn new(bounces: u32, threads: usize, lanes: LaneChoice, tone: Tone) -> Self {
-        let scalar = lanes == LaneChoice::One;
+    /// Returns the controls at the start, for the settings requested on the command line.
+    pub fn new(&Settings { max_bounces, threads, lanes, .. }: &Settings, tone: Tone) -> Self {
+        let scalar = lanes == 1;
         Self {
-            bounces,
-            scale: 0,
-            target: None,
+            bounces: max_bounces,
             threads,
             max_threads: threads,
-            lanes: if scalar { LaneChoice::Auto } else { lanes },
+            lanes: if scalar { LaneChoice::Auto.lanes() } else { lanes },
             scalar,
-            preset: None,
-            traversal: None,
             tone,
-            mode: DisplayMode::default(),
             reprojection: true,
-            filter: Filter::default(),
-            denoiser: false,
-            minimap: false,
             overlay: true,
-            help: false,
+            ..Self::default()
         }
     }
 
@@ -120,9 +110,9 @@ impl Controls {
         cycle(&mut self.traversal, &all);
     }
 
-    /// Returns the resolution for a scene: its own, scaled by [`Self::scale`] and by `factor`, within bounds.
-    pub fn resolution(&self, scene_resolution: [u32; 2], factor: f64) -> [u32; 2] {
-        let [width, height] = scene_resolution.map(f64::from);
+    /// Returns the requested resolution, scaled by [`Self::scale`] and by `factor`, within bounds.
+    pub fn resolution(&self, requested: [u32; 2], factor: f64) -> [u32; 2] {
+        let [width, height] = requested.map(f64::from);
         let factor = (f64::from(self.scale) / 2.0).exp2() * factor;
         let least = (8.0 / width).max(8.0 / height).min(1.0);
         let most = (f64::from(MAX_SIDE) / width.max(height)).min((MAX_PIXELS / (width * height)).sqrt());
@@ -142,17 +132,14 @@ impl Controls {
 
     /// Returns the renderer's settings for a scene.
     pub fn settings(&self, scene: &Loaded, options: &Options) -> Settings {
-        let lanes = if self.scalar { LaneChoice::One } else { self.lanes };
+        let requested = (options.settings)(scene);
         Settings {
-            resolution: self.resolution(options.size.unwrap_or(scene.resolution), 1.0),
+            resolution: self.resolution(requested.resolution, 1.0),
             max_bounces: self.bounces,
-            seed: options.seed,
-            methods: self.methods((options.methods)(scene)),
-            lanes: lanes.lanes(),
+            methods: self.methods(requested.methods),
+            lanes: if self.scalar { 1 } else { self.lanes },
             threads: self.threads,
-            pipeline: options.pipeline,
-            clamp: options.clamp,
-            ..Settings::of(scene)
+            ..requested
         }
     }
 }
@@ -169,13 +156,9 @@ mod tests {
     use octray_engine::lights::LightChoice;
     use octray_engine::sampling::Sampler;
 
-    fn controls() -> Controls {
-        Controls::new(4, 6, LaneChoice::Eight, Tone::default())
-    }
-
     #[test]
     fn bounds_hold() {
-        let mut controls = controls();
+        let mut controls = Controls { bounces: 4, ..Controls::default() };
         let exposed = |controls: &mut Controls, exposure, stops| {
             controls.tone.exposure = exposure;
             controls.add_exposure(stops);
@@ -200,7 +183,7 @@ mod tests {
     fn presets_keep_traversal_lights_and_sampler() {
         let (traversal, lights, sampler) = (TraversalChoice::Linear, LightChoice::Off, Sampler::Random);
         let requested = Methods { traversal, lights, sampler, ..Methods::default() };
-        let mut controls = controls();
+        let mut controls = Controls::default();
         for preset in [None, Some(0), Some(1)] {
             controls.preset = preset;
             let chosen = controls.methods(requested);

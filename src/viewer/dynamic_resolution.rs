@@ -6,7 +6,6 @@ use std::time::Duration;
 const TARGET_SHARE: f64 = 0.95;
 /// Frame time below which a higher resolution is chosen, relative to the target's.
 const MIN_SHARE: f64 = 0.6;
-/// Lowest resolution scale.
 const MIN_RESOLUTION_SCALE: f64 = 0.05;
 
 /// The scale of the resolution, chosen by the time of frames.

@@ -20,7 +20,6 @@ pub struct FileWatcher {
     files: BTreeMap<PathBuf, Stamp>,
     /// Whether one of them had changed at the last check.
     changed: bool,
-    /// When they were last checked.
     checked: Option<Instant>,
 }
 

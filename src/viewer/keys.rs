@@ -34,66 +34,59 @@ pub(crate) enum Action {
 }
 
 /// The action of every key, in the order of the help.
-const TABLE: &[(Key, Action)] = &[
-    (Char('w'), Hold(Motion::Forward)),
-    (Char('s'), Hold(Motion::Back)),
-    (Char('a'), Hold(Motion::Left)),
-    (Char('d'), Hold(Motion::Right)),
-    (Char(' '), Hold(Motion::Up)),
-    (Key::Modifier(LeftShift), Hold(Motion::Down)),
-    (Char('z'), Hold(Motion::Down)),
-    (Key::Left, Hold(Motion::TurnLeft)),
-    (Key::Right, Hold(Motion::TurnRight)),
-    (Key::Up, Hold(Motion::TurnUp)),
-    (Key::Down, Hold(Motion::TurnDown)),
-    (Key::Modifier(LeftControl), Hold(Motion::Fast)),
-    (Char('+'), Zoom(1.0)),
-    (Char('='), Zoom(1.0)),
-    (Char('-'), Zoom(-1.0)),
-    (Key::Home, Action::Home),
-    (Key::PageDown, Scene(Playlist::next)),
-    (Key::PageUp, Scene(Playlist::previous)),
-    (Char('.'), Scene(Playlist::next)),
-    (Char(','), Scene(Playlist::previous)),
-    (Char('r'), Action::Reload),
-    (Key::F(5), Action::Reload),
-    (Char('1'), Switch(|set| set.mode = DisplayMode::Picture)),
-    (Char('2'), Switch(|set| set.mode = DisplayMode::Normals)),
-    (Char('3'), Switch(|set| set.mode = DisplayMode::Albedo)),
-    (Char('4'), Switch(|set| set.mode = DisplayMode::Depth)),
-    (Char('5'), Switch(|set| set.mode = DisplayMode::Barycentrics)),
-    (Char('6'), Switch(|set| set.mode = DisplayMode::Lambert)),
-    (Char('7'), Switch(|set| set.mode = DisplayMode::Bounces)),
-    (Char('8'), Switch(|set| set.mode = DisplayMode::Cost)),
-    (Char('9'), Switch(|set| set.mode = DisplayMode::Samples)),
-    (Char('0'), Switch(|set| set.mode = DisplayMode::Lanes)),
-    (Char('t'), Switch(|set| set.reprojection = !set.reprojection)),
-    (Char('f'), Switch(|set| cycle(&mut set.filter, &Filter::ALL))),
-    (Char('n'), Switch(|set| set.denoiser = !set.denoiser)),
-    (Char('['), Step(|set| set.add_bounces(-1))),
-    (Char(']'), Step(|set| set.add_bounces(1))),
-    (Char('j'), Step(|set| set.add_scale(-1))),
-    (Char('k'), Step(|set| set.add_scale(1))),
-    (Char('g'), Switch(|set| cycle(&mut set.target, &[None, Some(15), Some(30), Some(60)]))),
-    (Char('c'), Switch(Controls::next_threads)),
-    (Char('l'), Switch(|set| set.scalar = !set.scalar)),
-    (Char('x'), Switch(|set| cycle(&mut set.preset, &[None, Some(0), Some(1)]))),
-    (Char('v'), Switch(Controls::next_traversal)),
-    (Char('e'), Step(|set| set.add_exposure(0.5))),
-    (Char('q'), Step(|set| set.add_exposure(-0.5))),
-    (Char('o'), Switch(|set| cycle(&mut set.tone.operator, &Operator::ALL))),
-    (Char('m'), Switch(|set| set.minimap = !set.minimap)),
-    (Key::Tab, Action::Screenshot),
-    (Char('p'), Action::Screenshot),
-    (Char('i'), Switch(|set| set.overlay = !set.overlay)),
-    (Char('h'), Switch(|set| set.help = !set.help)),
-    (Key::F(1), Switch(|set| set.help = !set.help)),
-    (Key::Esc, Action::ReleaseMouse),
+const TABLE: &[(&[Key], Action)] = &[
+    (&[Char('w')], Hold(Motion::Forward)),
+    (&[Char('s')], Hold(Motion::Back)),
+    (&[Char('a')], Hold(Motion::Left)),
+    (&[Char('d')], Hold(Motion::Right)),
+    (&[Char(' ')], Hold(Motion::Up)),
+    (&[Key::Modifier(LeftShift), Char('z')], Hold(Motion::Down)),
+    (&[Key::Left], Hold(Motion::TurnLeft)),
+    (&[Key::Right], Hold(Motion::TurnRight)),
+    (&[Key::Up], Hold(Motion::TurnUp)),
+    (&[Key::Down], Hold(Motion::TurnDown)),
+    (&[Key::Modifier(LeftControl)], Hold(Motion::Fast)),
+    (&[Char('+'), Char('=')], Zoom(1.0)),
+    (&[Char('-')], Zoom(-1.0)),
+    (&[Key::Home], Action::Home),
+    (&[Key::PageDown, Char('.')], Scene(Playlist::next)),
+    (&[Key::PageUp, Char(',')], Scene(Playlist::previous)),
+    (&[Char('r'), Key::F(5)], Action::Reload),
+    (&[Char('1')], Switch(|set| set.mode = DisplayMode::Picture)),
+    (&[Char('2')], Switch(|set| set.mode = DisplayMode::Normals)),
+    (&[Char('3')], Switch(|set| set.mode = DisplayMode::Albedo)),
+    (&[Char('4')], Switch(|set| set.mode = DisplayMode::Depth)),
+    (&[Char('5')], Switch(|set| set.mode = DisplayMode::Barycentrics)),
+    (&[Char('6')], Switch(|set| set.mode = DisplayMode::Lambert)),
+    (&[Char('7')], Switch(|set| set.mode = DisplayMode::Bounces)),
+    (&[Char('8')], Switch(|set| set.mode = DisplayMode::Cost)),
+    (&[Char('9')], Switch(|set| set.mode = DisplayMode::Samples)),
+    (&[Char('0')], Switch(|set| set.mode = DisplayMode::Lanes)),
+    (&[Char('t')], Switch(|set| set.reprojection = !set.reprojection)),
+    (&[Char('f')], Switch(|set| cycle(&mut set.filter, &Filter::ALL))),
+    (&[Char('n')], Switch(|set| set.denoiser = !set.denoiser)),
+    (&[Char('[')], Step(|set| set.add_bounces(-1))),
+    (&[Char(']')], Step(|set| set.add_bounces(1))),
+    (&[Char('j')], Step(|set| set.add_scale(-1))),
+    (&[Char('k')], Step(|set| set.add_scale(1))),
+    (&[Char('g')], Switch(|set| cycle(&mut set.target, &[None, Some(15), Some(30), Some(60)]))),
+    (&[Char('c')], Switch(Controls::next_threads)),
+    (&[Char('l')], Switch(|set| set.scalar = !set.scalar)),
+    (&[Char('x')], Switch(|set| cycle(&mut set.preset, &[None, Some(0), Some(1)]))),
+    (&[Char('v')], Switch(Controls::next_traversal)),
+    (&[Char('e')], Step(|set| set.add_exposure(0.5))),
+    (&[Char('q')], Step(|set| set.add_exposure(-0.5))),
+    (&[Char('o')], Switch(|set| cycle(&mut set.tone.operator, &Operator::ALL))),
+    (&[Char('m')], Switch(|set| set.minimap = !set.minimap)),
+    (&[Key::Tab, Char('p')], Action::Screenshot),
+    (&[Char('i')], Switch(|set| set.overlay = !set.overlay)),
+    (&[Char('h'), Key::F(1)], Switch(|set| set.help = !set.help)),
+    (&[Key::Esc], Action::ReleaseMouse),
 ];
 
 /// Returns the action of a key.
 pub(crate) fn action_of(key: Key) -> Option<Action> {
-    TABLE.iter().find(|(bound, _)| *bound == key).map(|(_, action)| *action)
+    TABLE.iter().find(|(keys, _)| keys.contains(&key)).map(|(_, action)| *action)
 }
 
 /// Returns the help: one line per binding, keys and meaning.
@@ -125,13 +118,11 @@ fn short_help(width: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::render::LaneChoice;
-    use octray_engine::tone::Tone;
     use std::collections::HashSet;
 
     /// The settings after these letters.
     fn after(letters: &str) -> Controls {
-        let mut controls = Controls::new(4, 6, LaneChoice::Eight, Tone::default());
+        let mut controls = Controls { threads: 6, max_threads: 6, ..Controls::default() };
         for letter in letters.chars() {
             let Some(Step(change) | Switch(change)) = action_of(Char(letter)) else { panic!("{letter}") };
             change(&mut controls);
@@ -153,7 +144,7 @@ mod tests {
     #[test]
     fn every_key_does_one_thing() {
         let mut seen = HashSet::new();
-        assert!(TABLE.iter().all(|(key, _)| seen.insert(*key)), "{seen:?}");
+        assert!(TABLE.iter().flat_map(|(keys, _)| *keys).all(|key| seen.insert(*key)), "{seen:?}");
     }
 
     #[test]

@@ -59,4 +59,4 @@ pub use session::Viewer;
 pub use terminal::terminal;
 pub use timing::Summary;
 #[cfg(feature = "window")]
-pub use window::{Presented, WindowError, window};
+pub use window::{WindowError, window};

@@ -3,15 +3,13 @@
 use super::frame::Exchange;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Release;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread;
+use std::thread::{self, JoinHandle};
 
 type Job<T> = Box<dyn FnOnce() -> T + Send>;
 
 /// A runner of one job at a time. Only the last requested job has a result; it supersedes earlier ones.
 pub struct Loader<T> {
-    /// The receiver of the running job's result.
-    running: Option<Receiver<T>>,
+    running: Option<JoinHandle<T>>,
     /// The job that runs after it.
     next: Option<Job<T>>,
     /// Notified after each job.
@@ -34,25 +32,20 @@ impl<T: Send + 'static> Loader<T> {
     }
     /// Returns the result of the last request once it has arrived. A job that panics has none.
     pub fn poll(&mut self) -> Option<T> {
-        let result = match self.running.as_ref()?.try_recv() {
-            Err(TryRecvError::Empty) => return None,
-            result => result.ok(),
-        };
+        let finished = self.running.take_if(|job| job.is_finished())?;
         let is_last = self.next.is_none();
         self.start_next();
-        result.filter(|_| is_last)
+        finished.join().ok().filter(|_| is_last)
     }
 
     fn start_next(&mut self) {
         self.running = self.next.take().map(|job| {
-            let (sender, result) = channel();
             let exchange = self.exchange.clone();
             thread::spawn(move || {
-                // Sending fails only if the viewer has ended.
-                let _ = sender.send(job());
+                let result = job();
                 exchange.notified.store(true, Release);
-            });
-            result
+                result
+            })
         });
     }
 }

@@ -43,11 +43,6 @@ fn ball(primitive: Primitive) -> (DVec3, f64) {
     (center, balls.map(|(corner, radius)| corner.distance(center) + radius).fold(0.0, f64::max))
 }
 
-/// Returns a primitive's greatest height.
-fn height(primitive: Primitive, up: DVec3) -> f64 {
-    balls(primitive).map(|(corner, radius)| corner.dot(up) + radius).fold(f64::MIN, f64::max)
-}
-
 impl Minimap {
     /// Draws the scene along its camera's up axis. The camera's line of sight points to the top of the map.
     pub fn new(scene: &Scene) -> Self {
@@ -68,7 +63,10 @@ impl Minimap {
             |(center, radius): (DVec3, f64)| radius == 0.0 || radius < center.distance(camera).min(most);
         let mut primitives: Vec<Primitive> = scene.all_primitives().collect();
         primitives.retain(|&primitive| balls(primitive).all(is_seen));
-        primitives.sort_by(|a, b| height(*a, up).total_cmp(&height(*b, up)));
+        let height = |primitive: &Primitive| {
+            balls(*primitive).map(|(corner, radius)| corner.dot(up) + radius).fold(f64::MIN, f64::max)
+        };
+        primitives.sort_by(|a, b| height(a).total_cmp(&height(b)));
         for primitive in primitives {
             let material = &scene.materials[primitive.material() as usize];
             let shown = match material.kind {

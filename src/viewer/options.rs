@@ -1,6 +1,6 @@
 //! Holds the options that the viewer starts with.
 
-use octray_engine::render::{LaneChoice, Methods, PipelineChoice, Renderer, Settings};
+use octray_engine::render::{Renderer, Settings};
 use octray_engine::scene::Scene;
 use octray_engine::tone::Tone;
 use octray_formats::scene::Loaded;
@@ -12,28 +12,15 @@ pub const BYTES_PER_PIXEL: usize = 180;
 
 /// The options that the viewer starts with.
 pub struct Options {
-    /// Resolution of all scenes; each scene's own if `None`.
-    pub size: Option<[u32; 2]>,
-    /// Maximum number of scattering events for all scenes; each scene's own if `None`.
-    pub bounces: Option<u32>,
-    /// Seed of a resting camera's samples: its film has the bits of a still of this seed.
-    pub seed: u32,
-    /// Whether the pipeline is compiled for the scene's features or for all.
-    pub pipeline: PipelineChoice,
-    /// Largest radiance of a sample; infinite without a limit.
-    pub clamp: f32,
-    /// Worker threads at the start.
-    pub threads: usize,
+    /// The settings requested on the command line for a scene. Keys change them, except seed, pipeline and
+    /// clamp; width and threads are those of the first scene.
+    pub settings: Box<dyn Fn(&Loaded) -> Settings + Send + Sync>,
     /// Upper bound of the thread count that keys can choose.
     pub max_threads: usize,
-    /// SIMD width at the start; a key switches between it and 1.
-    pub lanes: LaneChoice,
     /// Tone mapping at the start.
     pub tone: Tone,
     /// Frames per second that a lower resolution holds; `None` keeps the full resolution.
     pub target: Option<u32>,
-    /// The methods requested on the command line, which may depend on the scene.
-    pub methods: Box<dyn Fn(&Loaded) -> Methods + Send + Sync>,
     /// Builds the renderer of a scene with these settings, whatever methods they name.
     pub renderer: fn(&Scene, Settings) -> Renderer,
     /// Checks that memory suffices for a picture of this width and height; the error gives the reason if not.

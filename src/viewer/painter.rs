@@ -31,7 +31,7 @@ pub struct FrameInput<'a> {
 #[derive(Default)]
 pub struct Painter {
     mean: Picture,
-    history: History,
+    pub history: History,
     /// Whether the last frame was reprojected.
     reprojected: bool,
     blur: Blur,
@@ -44,8 +44,8 @@ pub struct Painter {
     distances: Vec<f32>,
     /// Largest number of tests of a pixel in the last frame that showed the cost.
     pub most_tests: u32,
-    /// Drawn on first use.
-    minimap: Option<Minimap>,
+    /// The map of the present scene, drawn on first use.
+    pub minimap: Option<Minimap>,
 }
 
 /// A buffer that is rendered on demand, once per camera.
@@ -65,15 +65,6 @@ impl<T> PerCamera<T> {
 }
 
 impl Painter {
-    /// Discards what belongs to the last scene.
-    pub fn change_scene(&mut self) {
-        self.minimap = None;
-    }
-    /// Discards the history for reprojection.
-    pub fn reset_history(&mut self) {
-        self.history.reset();
-    }
-
     /// Derives a walking speed from the frame that was painted last, in scene units per second.
     pub fn walking_speed(&mut self, renderer: &Renderer) -> f64 {
         walking_speed(self.aovs.get(|aovs| renderer.aovs_into(aovs))).into()
@@ -176,12 +167,10 @@ impl Painter {
     }
 }
 
-/// Sets each pixel to the colour of its value.
 fn fill<T>(pixels: &mut [u32], values: &[T], color: impl Fn(&T) -> u32) {
     pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = color(value));
 }
 
-/// Sets each pixel to the colour of its AOVs.
 fn fill_from_aovs(pixels: &mut [u32], aovs: &Aovs, color: impl Fn(&AovSample) -> u32) {
     let width = aovs.resolution()[0] as usize;
     for (at, pixel) in pixels.iter_mut().enumerate() {
@@ -198,7 +187,6 @@ fn write(tone: &Tone, picture: &Picture, words: &mut [u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use octray_engine::render::LaneChoice;
     use octray_formats::scene::load;
     use std::time::Instant;
 
@@ -216,7 +204,7 @@ mod tests {
             let scene = Loaded::from(load("builtin:cornell-spheres").unwrap());
             let renderer = Renderer::new(&scene, Settings { resolution: [24, 16], ..Settings::of(&scene) });
             let accumulation = Accumulation::new(&renderer, &scene);
-            let controls = Controls::new(scene.max_bounces, 1, LaneChoice::Eight, Tone::default());
+            let controls = Controls::new(renderer.settings(), Tone::default());
             Self { scene, renderer, accumulation, controls, painter: Painter::default() }
         }
         /// Sets the camera's field of view. The same one again is a resting camera.

@@ -17,8 +17,7 @@ use super::screenshot;
 use super::state::{Effect, Event, State};
 use super::timing::Summary;
 use octray_engine::diagnosis;
-use octray_engine::render::Methods;
-use octray_engine::render::{Renderer, Settings};
+use octray_engine::render::{Methods, Renderer, Settings};
 use octray_formats::scene::{self, Loaded, SceneError};
 use octray_formats::wording::counted;
 use std::path::{Path, PathBuf};
@@ -27,14 +26,12 @@ use std::sync::atomic::Ordering::{Acquire, Release};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long a message is shown.
 const MESSAGE_TIME: Duration = Duration::from_secs(6);
 /// Samples per pixel of the picture that is diagnosed.
 const DIAGNOSED_SAMPLES: u32 = 16;
 /// Most warnings of a scene that are shown.
 const MAX_WARNINGS: usize = 4;
 
-/// A scene with its renderer.
 type SceneRenderer = (Arc<Loaded>, Renderer);
 
 /// State of the render thread.
@@ -62,7 +59,6 @@ pub struct RenderLoop {
     /// A time before the last scene was read.
     read: SystemTime,
     screenshot_requested: bool,
-    /// Whether the scene's first picture was diagnosed.
     diagnosed: bool,
 }
 
@@ -121,15 +117,15 @@ impl RenderLoop {
                 false => self.accumulation.rates.reset(),
             }
         } else {
-            self.state.enter_scene(&scene);
-            self.painter.change_scene();
+            self.state.enter_scene(&scene, (self.options.settings)(&scene).max_bounces);
+            self.painter.minimap = None;
             self.scene = scene;
             self.error = None;
             self.accumulation.rates.reset();
             self.enter_scene();
         }
         self.accumulation.reset(&renderer, &self.scene);
-        self.painter.reset_history();
+        self.painter.history.reset();
         renderer
     }
 
@@ -259,10 +255,11 @@ impl RenderLoop {
         let (mut controls, options) = (self.state.controls, self.options.clone());
         let pixels = |settings: &Settings| settings.resolution.map(u64::from).iter().product::<u64>();
         let held = pixels(&controls.settings(&self.scene, &options));
-        let bounces = if reload { Some(controls.bounces) } else { options.bounces };
         self.loader.request(move || {
             let scene = load()?;
-            controls.bounces = bounces.unwrap_or(scene.max_bounces);
+            if !reload {
+                controls.bounces = (options.settings)(&scene).max_bounces;
+            }
             let settings = controls.settings(&scene, &options);
             // The memory of the present resolution is allocated already.
             if pixels(&settings) > held {
@@ -272,20 +269,18 @@ impl RenderLoop {
         });
     }
 
-    /// Sets the renderer's pose from the state.
     fn update_pose(&mut self, renderer: &mut Renderer) {
-        let own = self.options.size.unwrap_or(self.scene.resolution);
+        let requested = (self.options.settings)(&self.scene).resolution;
         let pose = Pose {
             camera: *self.state.camera_controller.camera(),
-            resolution: self.state.controls.resolution(own, self.accumulation.resolution.scale),
+            resolution: self.state.controls.resolution(requested, self.accumulation.resolution.scale),
             bounces: self.state.controls.bounces,
         };
         if self.accumulation.set_pose(renderer, pose) {
-            self.painter.reset_history();
+            self.painter.history.reset();
         }
     }
 
-    /// Paints a frame and publishes it.
     fn publish_frame(&mut self, renderer: &Renderer) {
         let start = Instant::now();
         let busy = self.loader.is_busy();
@@ -309,15 +304,18 @@ impl RenderLoop {
         accumulation.frame_shown(start, self.oldest_unshown_event.take());
         accumulation.adapt_resolution(state.controls.target);
         if let Some(requested) = self.switch_requested.take_if(|_| state.shows_current()) {
-            accumulation.summary.switched(requested.elapsed());
+            let longest = &mut accumulation.summary.max_switch_time;
+            *longest = (*longest).max(Some(requested.elapsed()));
         }
         self.exchange.publish(&mut self.frame);
         (self.wake)();
     }
 
     fn take_screenshot(&mut self, renderer: &Renderer) {
-        // `octray render` gives every pixel the same number of samples too.
-        self.accumulation.equalize_samples(renderer);
+        // `octray render` gives every pixel the same number of samples too, at least one.
+        let film = &mut self.accumulation.film;
+        let uneven = film.most_samples().max(1) - film.samples();
+        renderer.add_samples(film, uneven);
         let Self { scene, accumulation, state, options, .. } = &*self;
         let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
         let text = match screenshot::save(&options.screenshots, &input) {

@@ -28,18 +28,17 @@ pub struct Viewer {
 impl Viewer {
     /// Starts with the playlist's current scene, already loaded.
     pub fn start(options: Options, playlist: Playlist, scene: Loaded, wake: Wake) -> Self {
-        let bounces = options.bounces.unwrap_or(scene.max_bounces);
-        let mut controls = Controls::new(bounces, options.threads, options.lanes, options.tone);
-        controls.target = options.target;
-        controls.max_threads = options.max_threads;
-        let state = State::new(playlist, &scene, controls, options.bounces);
+        let requested = (options.settings)(&scene);
+        let mut controls = Controls::new(&requested, options.tone);
+        (controls.target, controls.max_threads) = (options.target, options.max_threads);
+        let state = State::new(playlist, &scene, controls);
         let (events, incoming) = channel();
         let exchange = Arc::new(Exchange::default());
         let (shared, scene) = (exchange.clone(), Arc::new(scene));
         let thread = std::thread::spawn(move || {
             let mut frame = Frame { title: scene.name.clone(), ..Frame::default() };
             frame.message = format!("preparing {}", scene.name);
-            frame.resize(options.size.unwrap_or(scene.resolution));
+            frame.resize(requested.resolution);
             shared.publish(&mut frame);
             wake();
             RenderLoop::run(Arc::new(options), state, scene, incoming, shared, wake)

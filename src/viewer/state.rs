@@ -66,10 +66,8 @@ pub(crate) struct State {
     now: Instant,
     /// How long the camera has moved since the last frame.
     moved_for: Duration,
-    /// The command line's bounces, for every scene.
-    bounces: Option<u32>,
-    /// The scene's bounces, or the command line's.
-    scene_bounces: u32,
+    /// The bounces requested for the scene: its own, or the command line's.
+    requested_bounces: u32,
     /// The playlist name of the scene that is shown.
     name: OsString,
     /// Camera and chosen bounces of scenes that were left, by playlist name.
@@ -77,8 +75,8 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// Starts with a scene; `bounces` overrides the number of every scene.
-    pub fn new(playlist: Playlist, scene: &Scene, controls: Controls, bounces: Option<u32>) -> Self {
+    /// Starts with a scene.
+    pub fn new(playlist: Playlist, scene: &Scene, controls: Controls) -> Self {
         Self {
             name: playlist.current().to_os_string(),
             playlist,
@@ -90,8 +88,7 @@ impl State {
             held: BTreeSet::new(),
             now: Instant::now(),
             moved_for: Duration::ZERO,
-            bounces,
-            scene_bounces: bounces.unwrap_or(scene.max_bounces),
+            requested_bounces: controls.bounces,
             saved: BTreeMap::new(),
         }
     }
@@ -101,12 +98,11 @@ impl State {
         self.name == self.playlist.current()
     }
 
-    /// Enters the playlist's current scene. A scene that was left before gets its camera and bounces back;
-    /// one that is shown already was reloaded and keeps them.
-    pub fn enter_scene(&mut self, scene: &Scene) {
-        let own = self.bounces.unwrap_or(scene.max_bounces);
-        let own_before = std::mem::replace(&mut self.scene_bounces, own);
-        let mut bounces = Some(self.controls.bounces).filter(|chosen| *chosen != own_before);
+    /// Enters the playlist's current scene, for which so many bounces are requested. A scene that was left
+    /// before gets its camera and bounces back; one that is shown already was reloaded and keeps them.
+    pub fn enter_scene(&mut self, scene: &Scene, requested: u32) {
+        let before = std::mem::replace(&mut self.requested_bounces, requested);
+        let mut bounces = Some(self.controls.bounces).filter(|chosen| *chosen != before);
         if !self.shows_current() {
             let before = std::mem::replace(&mut self.name, self.playlist.current().to_os_string());
             let (camera, chosen) =
@@ -116,7 +112,7 @@ impl State {
             // No motion until this scene's speed is known.
             self.speed = None;
         }
-        self.controls.bounces = bounces.unwrap_or(own);
+        self.controls.bounces = bounces.unwrap_or(requested);
         // The file's camera may have changed.
         self.camera_controller.set_home(scene);
     }
@@ -190,8 +186,6 @@ impl State {
 mod tests {
     use super::*;
     use crate::display_mode::DisplayMode;
-    use octray_engine::render::LaneChoice;
-    use octray_engine::tone::Tone;
     use octray_formats::scene::{Camera, load};
 
     /// A state whose times are milliseconds after a start.
@@ -209,8 +203,8 @@ mod tests {
         fn new() -> Self {
             let [three, thesis] = scenes();
             let playlist = Playlist::new(&[three.name.clone(), thesis.name]).unwrap();
-            let controls = Controls::new(three.max_bounces, 2, LaneChoice::Eight, Tone::default());
-            Self { state: State::new(playlist, &three, controls, None), start: Instant::now() }
+            let controls = Controls { bounces: three.max_bounces, ..Controls::default() };
+            Self { state: State::new(playlist, &three, controls), start: Instant::now() }
         }
         fn handle(&mut self, event: Event, ms: u64) -> Option<Effect> {
             self.state.handle(&event, self.start + Duration::from_millis(ms))
@@ -242,7 +236,7 @@ mod tests {
             self.reload(scene)
         }
         fn reload(&mut self, scene: &Scene) -> (Camera, u32) {
-            self.state.enter_scene(scene);
+            self.state.enter_scene(scene, scene.max_bounces);
             (self.camera(), self.state.controls.bounces)
         }
     }
@@ -345,8 +339,9 @@ mod tests {
         test.press(Key::Char(']'));
         three.max_bounces = 5;
         assert_eq!(test.reload(&three).1, 9, "chosen");
-        test.state.bounces = Some(2);
-        assert_eq!(test.enter(&thesis).1, 2, "those of the command line are for every scene");
+        test.state.playlist.next();
+        test.state.enter_scene(&thesis, 2);
+        assert_eq!(test.state.controls.bounces, 2, "those of the command line are for every scene");
     }
 
     #[test]

@@ -51,7 +51,6 @@ pub fn terminal(options: Options, playlist: Playlist, scene: Loaded) -> io::Resu
 /// The terminal in raw mode on the alternate screen; restored on drop and on panic.
 struct RawTerminal {
     out: io::BufWriter<io::Stdout>,
-    /// Whether the terminal reports key releases.
     reports_release: bool,
     /// Time of each held key's last press; empty if releases are reported.
     down: HashMap<Key, Instant>,
@@ -156,7 +155,6 @@ fn restore(out: &mut impl Write, reports_release: bool) {
     let _ = screen::disable_raw_mode();
 }
 
-/// Shows frames and handles keys until the end.
 fn show(viewer: &Viewer, raw: &mut RawTerminal, exit: &AtomicBool) -> io::Result<()> {
     let mut frame = Frame::default();
     let mut cells = CellBuffer::default();

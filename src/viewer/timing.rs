@@ -99,6 +99,9 @@ pub struct Summary {
     pub latencies: u64,
     /// Longest time from requesting another scene to its first frame; `None` without such a request.
     pub max_switch_time: Option<Duration>,
+    /// Frames that a window drew, fewer than published if the display is slower, and the time of scaling
+    /// them, drawing their text, and presenting them; `None` in a terminal.
+    pub presented: Option<(u64, Duration)>,
 }
 
 impl Summary {
@@ -112,10 +115,6 @@ impl Summary {
             self.latency_sum += latency;
             self.latencies += 1;
         }
-    }
-    /// Records a switch to another scene, shown `after` the request.
-    pub(crate) fn switched(&mut self, after: Duration) {
-        self.max_switch_time = self.max_switch_time.max(Some(after));
     }
 }
 

@@ -45,36 +45,22 @@ pub enum WindowError {
     NoSurface(#[source] Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// Time spent on showing frames.
-#[derive(Clone, Debug, Default)]
-pub struct Presented {
-    /// Frames drawn, fewer than published if the display is slower.
-    pub frames: u64,
-    /// Time of scaling them, drawing their text, and presenting them.
-    pub time: Duration,
-}
-
-/// An event of the window's loop: a frame is ready.
 struct FrameReady;
 
 /// Opens a window, and returns the figures of the render loop and of the window once it is closed.
 ///
 /// # Errors
 /// If no display answers, or the window cannot be drawn in.
-pub fn window(
-    options: Options,
-    playlist: Playlist,
-    scene: Loaded,
-) -> Result<(Summary, Presented), WindowError> {
+pub fn window(options: Options, playlist: Playlist, scene: Loaded) -> Result<Summary, WindowError> {
     let mut builder = EventLoop::with_user_event();
     #[cfg(target_os = "linux")]
-    if !wayland::is_available() {
+    if !has_wayland() {
         winit::platform::x11::EventLoopBuilderExtX11::with_x11(&mut builder);
     }
     let events = builder.build().map_err(|_| no_display())?;
     let context = softbuffer::Context::new(events.owned_display_handle()).map_err(no_surface)?;
     let proxy = events.create_proxy();
-    let size = options.size.unwrap_or(scene.resolution);
+    let size = (options.settings)(&scene).resolution;
     let wake = Arc::new(move || {
         // Sending fails only after the event loop has ended.
         let _ = proxy.send_event(FrameReady);
@@ -91,7 +77,7 @@ pub fn window(
         window_size: PhysicalSize::default(),
         title: String::new(),
         mouse_captured: false,
-        presented: Presented::default(),
+        presented: (0, Duration::ZERO),
         failure: None,
     };
     events.run_app(&mut app).map_err(|_| no_display())?;
@@ -99,30 +85,26 @@ pub fn window(
     let summary = viewer.finish();
     match failure {
         Some(failure) => Err(failure),
-        None => Ok((summary, presented)),
+        None => Ok(Summary { presented: Some(presented), ..summary }),
     }
 }
 
 /// Tests whether a Wayland compositor answers: the environment may name one that has ended or belongs to
 /// another user.
 #[cfg(target_os = "linux")]
-mod wayland {
+fn has_wayland() -> bool {
     use std::env::var_os;
-    use std::fs;
     use std::os::unix::fs::FileTypeExt;
     use std::os::unix::net::UnixStream;
     use std::path::Path;
-
-    pub fn is_available() -> bool {
-        if let Some(open) = var_os("WAYLAND_SOCKET").filter(|open| !open.is_empty()) {
-            // File descriptor of a connection opened by the parent process.
-            let open = fs::metadata(Path::new("/proc/self/fd").join(open));
-            return open.is_ok_and(|open| open.file_type().is_socket());
-        }
-        let Some(name) = var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else { return false };
-        let folder = var_os("XDG_RUNTIME_DIR").unwrap_or_default();
-        UnixStream::connect(Path::new(&folder).join(name)).is_ok()
+    if let Some(open) = var_os("WAYLAND_SOCKET").filter(|open| !open.is_empty()) {
+        // File descriptor of a connection opened by the parent process.
+        let open = std::fs::metadata(Path::new("/proc/self/fd").join(open));
+        return open.is_ok_and(|open| open.file_type().is_socket());
     }
+    let Some(name) = var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()) else { return false };
+    let folder = var_os("XDG_RUNTIME_DIR").unwrap_or_default();
+    UnixStream::connect(Path::new(&folder).join(name)).is_ok()
 }
 
 /// Returns an error that names the displays tried. The messages of the window system name only its source
@@ -156,11 +138,10 @@ struct App {
     frame: Frame,
     /// The window's size at the last event: querying a closed window panics.
     window_size: PhysicalSize<u32>,
-    /// The title that the window shows.
     title: String,
-    /// Whether the mouse is captured.
     mouse_captured: bool,
-    presented: Presented,
+    /// See [`Summary::presented`].
+    presented: (u64, Duration),
     failure: Option<WindowError>,
 }
 
@@ -202,8 +183,8 @@ impl App {
         window_text::draw(&self.frame, canvas);
         buffer.present().map_err(no_surface)?;
         if fresh {
-            self.presented.frames += 1;
-            self.presented.time += start.elapsed();
+            self.presented.0 += 1;
+            self.presented.1 += start.elapsed();
             if self.title != self.frame.title {
                 self.title.clone_from(&self.frame.title);
                 surface.window().set_title(&format!("octray · {}", self.title));
@@ -217,7 +198,6 @@ impl App {
     }
 }
 
-/// Captures the mouse, or releases it.
 fn capture_mouse(window: &Window, captured: bool) {
     let mode = if captured { CursorGrabMode::Locked } else { CursorGrabMode::None };
     if window.set_cursor_grab(mode).is_err() && captured {

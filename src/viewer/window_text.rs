@@ -13,7 +13,6 @@ use embedded_graphics::text::{Baseline, Text};
 use std::borrow::Cow;
 use std::convert::Infallible;
 
-/// Pixels around blocks of text.
 const PADDING: usize = 6;
 
 /// Draws a frame with its minimap and text.

@@ -1,8 +1,7 @@
 //! A viewer without a window: the test is its front end.
 #![allow(dead_code)] // Every test file takes its own part.
 
-use octray::render::{LaneChoice, Methods, PipelineChoice};
-use octray::scene::Loaded;
+use octray::render::Settings;
 use octray::tone::Tone;
 use octray::viewer::frame::Frame;
 use octray::viewer::keys::Key;
@@ -16,17 +15,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// What `octray view` starts with where nothing is said, with frames as large as these.
 pub fn options(size: [u32; 2], threads: usize, screenshots: &Path) -> Options {
     Options {
-        size: Some(size),
-        bounces: None,
-        seed: 0,
-        pipeline: PipelineChoice::default(),
-        clamp: f32::INFINITY,
-        threads,
+        settings: Box::new(move |scene| Settings {
+            resolution: size,
+            lanes: 8,
+            threads,
+            ..Settings::of(scene)
+        }),
         max_threads: threads,
-        lanes: LaneChoice::Eight,
         tone: Tone::default(),
         target: None,
-        methods: Box::new(|_: &Loaded| Methods::default()),
         renderer: octray::methods::renderer,
         fits: Box::new(|_| Ok(())),
         frames: None,

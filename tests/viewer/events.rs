@@ -5,7 +5,7 @@ use crate::folder::Folder;
 use crate::pictures::assert_renders_again;
 use crate::seat::{Seat, options};
 use crate::waiting::wait_for;
-use octray::render::{Methods, PipelineChoice};
+use octray::render::{PipelineChoice, Settings};
 use octray::scene::Loaded;
 use octray::tone::Tone;
 use octray::viewer::Options;
@@ -17,6 +17,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::thread::sleep;
 use std::time::Duration;
@@ -138,10 +139,10 @@ fn a_file_that_changes_while_it_is_read_for_the_first_time_is_read_again() {
 #[test]
 fn a_screenshot_just_before_the_end_is_taken_and_its_view_says_how() {
     let folder = Folder::new();
+    let given = options([64, 36], 1, &folder.path(""));
+    let (seed, clamp, pipeline) = (9, 0.75, PipelineChoice::General);
     let options = Options {
-        seed: 9,
-        clamp: 0.75,
-        pipeline: PipelineChoice::General,
+        settings: Box::new(move |scene| Settings { seed, clamp, pipeline, ..(given.settings)(scene) }),
         tone: Tone { exposure: -64.0, ..Tone::default() },
         ..options([64, 36], 1, &folder.path(""))
     };
@@ -251,12 +252,16 @@ fn an_error_is_said_again_after_a_screenshot() {
 /// A viewer whose first scene is made ready only when the sender says so, or is gone.
 fn waiting_seat(name: &str, options: Options) -> (Seat, Sender<()>) {
     let (go, wait) = channel::<()>();
-    let wait = Mutex::new(wait);
-    let methods = move |_: &Loaded| {
-        let _ = wait.lock().unwrap().recv();
-        Methods::default()
+    let (wait, calls) = (Mutex::new(wait), AtomicU32::new(0));
+    let given = options.settings;
+    let settings = move |scene: &Loaded| {
+        // The front end asks first, then the thread that makes it ready.
+        if calls.fetch_add(1, Ordering::SeqCst) > 0 {
+            let _ = wait.lock().unwrap().recv();
+        }
+        given(scene)
     };
-    (Seat::start(Options { methods: Box::new(methods), ..options }, &[name]), go)
+    (Seat::start(Options { settings: Box::new(settings), ..options }, &[name]), go)
 }
 
 #[test]
@@ -301,7 +306,8 @@ fn a_scene_that_no_memory_is_left_for_is_not_shown() {
     let sized = |size: &str| scene("ball").replacen('{', &format!(r#"{{ "resolution": {size},"#), 1);
     let file = folder.write("huge.json", sized("[16384, 16384]"));
     let fits = |size: [u32; 2]| if size[0] < 1_000 { Ok(()) } else { Err("no memory left".to_string()) };
-    let options = Options { size: None, fits: Box::new(fits), ..small(&folder) };
+    let settings = |scene: &Loaded| Settings { lanes: 8, ..Settings::of(scene) };
+    let options = Options { settings: Box::new(settings), fits: Box::new(fits), ..small(&folder) };
     let mut seat = Seat::start(options, &["builtin:three", &file]);
     seat.press(Key::PageDown);
     wait(&mut seat, "an error", |frame| frame.message == "huge.json: no memory left");

@@ -91,8 +91,7 @@ impl Denoiser {
         rows::each(&mut self.shown.pixels, width, |y, row| {
             let of_row = &light[y * of_light..][..of_light];
             let [red, green, blue] = [0, 1, 2].map(|channel| &of_row[channel * stride + PAD..]);
-            let plane = |plane| aovs.centers().row(plane, y as u32);
-            let albedo = ALBEDO.map(plane);
+            let albedo = ALBEDO.map(|plane| aovs.centers().row(plane, y as u32));
             let narrow = &self.guides[y * of_guides + Guide::Narrowness as usize * stride + PAD..];
             for (x, pixel) in row.iter_mut().enumerate() {
                 *pixel = if narrow[x] == UNFILTERED {

@@ -115,13 +115,11 @@ impl<'a> Task<'a> {
             let narrowness = L::select(lobe.lt(one), one / (radius * radius), zero);
             let sharp = lobe.eq(zero) | zero.lt(packet(row(Plane::Scale), at));
             set(Guide::Narrowness, L::select(sharp, L::splat(UNFILTERED), narrowness.min(L::splat(1e20))));
-            set(
-                Guide::Samples,
-                match self.samples {
-                    Samples::Same(samples) => L::splat(samples as f32),
-                    Samples::Each(samples) => packet(&samples[y * width..][..width], at),
-                },
-            );
+            let samples = match self.samples {
+                Samples::Same(samples) => L::splat(samples as f32),
+                Samples::Each(samples) => packet(&samples[y * width..][..width], at),
+            };
+            set(Guide::Samples, samples);
             let pixels = &self.picture.pixels[y * width..][..width];
             for (channel, albedo) in albedo.iter().enumerate() {
                 let radiance = L::from_fn(|lane| pixels.get(at + lane).map_or(0.0, |pixel| pixel[channel]));
@@ -190,15 +188,10 @@ impl<'a> Task<'a> {
                 let light = &light[line as usize * 3 * stride..][..3 * stride];
                 for right in -WINDOW..=WINDOW {
                     let x = at as i32 + right;
+                    let pixel = |lane: usize| objects.get(usize::try_from(x + lane as i32).ok()?).copied();
                     let tap = match usize::try_from(x).ok().and_then(|x| objects.get(x..x + L::WIDTH)) {
                         Some(whole) => B::load(whole),
-                        None => B::from_fn(|lane| {
-                            usize::try_from(x + lane as i32)
-                                .ok()
-                                .and_then(|x| objects.get(x))
-                                .copied()
-                                .unwrap_or(OUTSIDE)
-                        }),
+                        None => B::from_fn(|lane| pixel(lane).unwrap_or(OUTSIDE)),
                     };
                     let same = tap.equals(object);
                     let place = (PAD as i32 + x) as usize;

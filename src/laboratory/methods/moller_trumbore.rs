@@ -19,9 +19,19 @@ pub struct Edges {
 /// without FMA 10 % and 8 % (`mesh-edges` and `mesh-vertices` of `octray stability`).
 /// Source: Möller, Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997 (non-culling
 /// branch, without an epsilon on the determinant, which would make small triangles vanish).
-pub struct MollerTrumbore;
+pub type MollerTrumbore = CramersRule<false>;
 
-impl TriangleMethod for MollerTrumbore {
+/// [`MollerTrumbore`] with an epsilon: determinants between −1e-6 and 1e-6 count as parallel. For charts.
+///
+/// Error: as [`MollerTrumbore`]; it also misses all triangles with edges below some 1e-3, because the
+/// determinant is an area and not an angle.
+/// Source: the listing in the same paper.
+pub type MollerTrumboreEpsilon = CramersRule<true>;
+
+/// Möller and Trumbore's test, with an epsilon on the determinant or without.
+pub struct CramersRule<const EPSILON: bool>;
+
+impl<const EPSILON: bool> TriangleMethod for CramersRule<EPSILON> {
     type Stored = Edges;
     type Precalculated<L: Lane> = Ray<L>;
 
@@ -34,21 +44,16 @@ impl TriangleMethod for MollerTrumbore {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
-        triangle.test(ray, limit, |_| L::Mask::splat(true))
-    }
-}
-
-impl Edges {
-    /// The test of triangles whose determinant `accepts`.
-    #[inline(always)]
-    fn test<L: Lane>(&self, ray: &Ray<L>, limit: L, accepts: impl Fn(L) -> L::Mask) -> TriangleHit<L> {
-        let (ab, ac) = (Vec3::splat(self.ab), Vec3::splat(self.ac));
+        let [a, ab, ac] = [triangle.a, triangle.ab, triangle.ac].map(Vec3::splat);
         let p = ray.direction.cross(ac);
         let determinant = ab.dot(p);
         let inverse = L::one() / determinant;
-        let from_a = ray.origin - Vec3::splat(self.a);
+        let from_a = ray.origin - a;
         let u = from_a.dot(p) * inverse;
-        let inside = accepts(determinant) & L::zero().le(u) & u.le(L::one());
+        let mut inside = L::zero().le(u) & u.le(L::one());
+        if EPSILON {
+            inside = inside & L::splat(1e-6).le(determinant.abs());
+        }
         if !inside.any() {
             return TriangleHit::none(limit);
         }
@@ -57,29 +62,5 @@ impl Edges {
         let t = ac.dot(q) * inverse;
         let mask = inside & L::zero().le(v) & (u + v).le(L::one()) & L::zero().lt(t) & t.lt(limit);
         TriangleHit { mask, t, u, v }
-    }
-}
-
-/// [`MollerTrumbore`] with an epsilon: determinants between −1e-6 and 1e-6 count as parallel. For charts.
-///
-/// Error: as [`MollerTrumbore`]; it also misses all triangles with edges below some 1e-3, because the
-/// determinant is an area and not an angle.
-/// Source: the listing in the same paper.
-pub struct MollerTrumboreEpsilon;
-
-impl TriangleMethod for MollerTrumboreEpsilon {
-    type Stored = Edges;
-    type Precalculated<L: Lane> = Ray<L>;
-
-    fn store(vertices: [glam::Vec3; 3]) -> Edges {
-        MollerTrumbore::store(vertices)
-    }
-    #[inline(always)]
-    fn precalculate<L: Lane>(ray: &Ray<L>) -> Ray<L> {
-        *ray
-    }
-    #[inline(always)]
-    fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
-        triangle.test(ray, limit, |determinant| L::splat(1e-6).le(determinant.abs()))
     }
 }

@@ -27,70 +27,32 @@ pub(super) trait Primitive {
     }
 }
 
-/// A primitive of either kind. The loops over a mesh read one list, and no test is called through a pointer.
-pub(super) enum Shape {
-    Sphere(Sphere),
-    Triangle(Triangle),
-}
-
-macro_rules! of_its_kind {
-    ($self:ident.$function:ident($($argument:ident),*)) => {
-        match $self {
-            Self::Sphere(sphere) => sphere.$function($($argument),*),
-            Self::Triangle(triangle) => triangle.$function($($argument),*),
-        }
-    };
-}
-
-impl Primitive for Shape {
-    #[inline(always)]
-    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
-        of_its_kind!(self.hit(origin, direction))
-    }
-    fn surface(&self, point: DVec3, u: f64, v: f64) -> Surface {
-        of_its_kind!(self.surface(point, u, v))
-    }
-    fn bound(&self, origin: DVec3, unit: DVec3) -> f64 {
-        of_its_kind!(self.bound(origin, unit))
-    }
-    fn distance(&self, point: DVec3) -> f64 {
-        of_its_kind!(self.distance(point))
-    }
-    #[inline(always)]
-    fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
-        of_its_kind!(self.crossings(origin, unit))
-    }
-    fn off_ray(&self, origin: DVec3, unit: DVec3, u: f64, v: f64) -> Option<f64> {
-        of_its_kind!(self.off_ray(origin, unit, u, v))
-    }
-}
-
-/// The primitives of a scene by their numbers, as its file has them, or else as the scene does: every
+/// The spheres and triangles of a scene, as its file has them, or else as the scene does: every
 /// single-precision number converts exactly.
-pub(super) fn primitives(scene: &Scene) -> Vec<Shape> {
+pub(super) fn primitives(scene: &Scene) -> (Vec<Sphere>, Vec<Triangle>) {
     let exact = scene.unrounded.as_ref();
     let spheres = scene.spheres.iter().enumerate().map(|(index, sphere)| {
         let rounded = (sphere.center.as_dvec3(), f64::from(sphere.radius));
         let (center, radius) = exact.map_or(rounded, |exact| exact.spheres[index]);
-        Shape::Sphere(Sphere {
+        Sphere {
             center,
             radius,
             turn: f64::from(sphere.texture_turn),
             picture_from: sphere.texture_side,
             material: sphere.material as usize,
-        })
+        }
     });
     let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| {
         let (uvs, normals) = (scene.uvs.get(index), scene.normals.get(index));
         let rounded = triangle.vertices.map(|vertex| vertex.as_dvec3());
-        Shape::Triangle(Triangle {
+        Triangle {
             vertices: exact.map_or(rounded, |exact| exact.triangles[index]),
             uvs: uvs.map_or([DVec2::ZERO; 3], |uvs| uvs.map(|uv| uv.as_dvec2())),
             normals: normals.map_or([DVec3::ZERO; 3], |normals| normals.map(|n| n.as_dvec3())),
             material: triangle.material as usize,
-        })
+        }
     });
-    spheres.chain(triangles).collect()
+    (spheres.collect(), triangles.collect())
 }
 
 pub(super) struct Sphere {

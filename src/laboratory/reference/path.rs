@@ -33,7 +33,7 @@
 //! before by *Russian roulette*. `octray inspect SCENE --pixel X,Y` prints a path, of this file and of the
 //! engine, on the same random numbers.
 
-use super::geometry::{Primitive, Surface};
+use super::geometry::Surface;
 use super::scene::Reference;
 use super::{lobes, texture};
 use crate::path_vertex::{PathVertex, lobe};
@@ -110,7 +110,7 @@ impl Reference {
                 break;
             };
             // 3. The surface and its material.
-            let primitive = &self.primitives[hit.primitive as usize];
+            let primitive = self.primitive(hit.primitive).expect("the primitive that was hit");
             let surface = primitive.surface(origin + direction * hit.t, hit.u, hit.v);
             let material = &self.materials[surface.material];
             let cosine = -direction.dot(surface.ng);

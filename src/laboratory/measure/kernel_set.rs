@@ -7,9 +7,7 @@
 use crate::kernel::ray_box::Padding;
 use crate::lane::{F32x8, Lane, Mask};
 use crate::math::{Ray, Vec3};
-use crate::methods::BoxMethod;
-use crate::methods::SphereMethod;
-use crate::methods::TriangleMethod;
+use crate::methods::{BoxMethod, SphereMethod, TriangleMethod};
 use glam::Vec3 as Point;
 
 /// Rays: 64 packets of eight.

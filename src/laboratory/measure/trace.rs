@@ -3,8 +3,7 @@
 use super::ray_sets::{Answers, RaySet};
 use crate::lane::NATIVE_WIDTH;
 use crate::math::MISS;
-use crate::rays::Geometry;
-use crate::rays::{Hits, Rays};
+use crate::rays::{Geometry, Hits, Rays};
 use crate::render::TraversalChoice;
 use crate::threads::Threads;
 use crate::traverse::counter::Counts;

@@ -314,8 +314,7 @@ impl Run<'_> {
 mod tests {
     use super::super::ground_truth::GroundTruthRenderer;
     use super::*;
-    use crate::render::Settings;
-    use crate::render::SphereChoice;
+    use crate::render::{Settings, SphereChoice};
 
     /// Returns the lines of a slow and of a fast configuration that give one picture, with doctored times:
     /// `times(seconds)` are those of the three seeds. The fast one is robust or not.

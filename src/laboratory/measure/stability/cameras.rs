@@ -8,8 +8,7 @@ use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare}
 use super::triangles;
 use crate::camera::Pinhole;
 use crate::math::MISS;
-use crate::methods::Robust;
-use crate::methods::Woop;
+use crate::methods::{Robust, Woop};
 use crate::reference::{Reference, Verdict};
 use crate::render::{Methods, PrimaryHit};
 use crate::scene::{Camera, Scene};

@@ -6,7 +6,7 @@
 use super::methods::Method;
 use super::rays::{ray, towards};
 use super::rng::Rng;
-use super::test_case::{FailureCounts, TestCase, trials};
+use super::test_case::{Case, FailureCounts, TestCase, trials};
 use super::triangles;
 use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math;
@@ -14,11 +14,16 @@ use crate::methods::Woop;
 use crate::sampling::warp::sample_cosine_hemisphere;
 use glam::Vec3;
 
-const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
+pub(super) const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
 
-/// Returns the texts that test cases of rays that leave a surface have in common.
-pub(super) fn common() -> TestCase {
-    TestCase { failure: "the ray hits the surface that it leaves", source: WAECHTER, ..TestCase::COMMON }
+/// Returns what test cases of rays that leave a surface have in common.
+pub(super) fn common(case: Case<SpawnMethod>) -> TestCase {
+    TestCase {
+        failure: "the ray hits the surface that it leaves",
+        source: WAECHTER,
+        methods: trials(case, &SPAWN_METHODS),
+        ..TestCase::COMMON
+    }
 }
 
 pub(super) fn test_cases() -> Vec<TestCase> {
@@ -28,41 +33,28 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             title: "Rays spawned on triangles with edges of 1",
             axis: "distance of the triangle from the origin",
             places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            methods: trials(
-                |rng, x, counts, method| leave_triangles(rng, counts, [1.0, x, 1.0], method),
-                &SPAWN_METHODS,
-            ),
-            ..common()
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0, x, 1.0], method))
         },
         TestCase {
             name: "spawn-size",
             title: "Rays spawned on triangles at a distance of 1 from the origin",
             axis: "edge of the triangle",
             places: &[1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            methods: trials(
-                |rng, x, counts, method| leave_triangles(rng, counts, [x, 1.0, 1.0], method),
-                &SPAWN_METHODS,
-            ),
-            ..common()
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [x, 1.0, 1.0], method))
         },
         TestCase {
             name: "spawn-travelled",
             title: "Rays spawned on triangles with edges of 1, at a distance of 1 from the origin, after a long ray",
             axis: "length of the arriving ray",
             places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            methods: trials(after_distance, &SPAWN_METHODS),
-            ..common()
+            ..common(after_distance)
         },
         TestCase {
             name: "spawn-slivers",
             title: "Rays spawned on slivers with edges of 1",
             axis: "usual height / height",
             places: &[1.0, 10.0, 100.0, 1e3, 1e4],
-            methods: trials(
-                |rng, x, counts, method| leave_triangles(rng, counts, [1.0, 1.0, x], method),
-                &SPAWN_METHODS,
-            ),
-            ..common()
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0, 1.0, x], method))
         },
     ]
 }
@@ -81,7 +73,7 @@ pub struct SpawnMethod {
 }
 
 /// The renderer's own first.
-pub(super) const SPAWN_METHODS: [Method<SpawnMethod>; 6] = {
+const SPAWN_METHODS: [Method<SpawnMethod>; 6] = {
     let (bound, none) = (SpawnMethod::share(1.0), SpawnMethod::share(0.0));
     [
         Method::default("exact point, error bound", bound),

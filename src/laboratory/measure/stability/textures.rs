@@ -4,7 +4,7 @@ use super::rays::towards;
 use super::rng::Rng;
 use super::spheres::{Ball, intersect};
 use super::test_case::{Bound, EPSILON, FailureCounts, TestCase, compare};
-use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_surface};
+use crate::kernel::surface::{latitude_longitude, remove_shared_repeats};
 use crate::kernel::texture::Grid;
 use crate::math::Vec3;
 use crate::methods::Robust;
@@ -27,9 +27,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
                     ("acos", |point, ball| cos_latitude(point, ball).acos()),
                     ("acos-clamped", |point, ball| cos_latitude(point, ball).clamp(-1.0, 1.0).acos()),
                     ("arcsine", |point, ball| {
-                        let center = Vec3::splat(ball.center);
-                        let (_, normal) = sphere_surface(point, center, 1.0 / ball.radius, true);
-                        latitude_longitude(normal).1 * std::f32::consts::PI
+                        latitude_longitude(ball.surface(point).1).1 * std::f32::consts::PI
                     }),
                 ],
             ),

@@ -164,15 +164,14 @@ impl<'a> Run<'a> {
         let resolution = [ground_truth.small.width, ground_truth.small.height];
         let renderer = configuration.renderer(scene, resolution, 1);
         let films = (0..seeds).map(|_| (renderer.film(), [0.0; 2])).collect();
-        let [level_time, spent] = [Duration::ZERO; 2];
         Self {
             configuration,
             renderer,
             films,
             levels: Vec::new(),
             targets: 0,
-            level_time,
-            spent,
+            level_time: Duration::ZERO,
+            spent: Duration::ZERO,
             done: false,
         }
     }
@@ -256,11 +255,11 @@ fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
     let of_default = default.reliability(clock);
     let reliability: Vec<_> = runs.iter().map(|run| run.reliability(clock).worse(&of_default)).collect();
     let line = |(number, run): (usize, &Run)| {
-        let others = curves.iter().enumerate().filter(|(other, _)| *other != number);
-        let others = others
-            .filter(|(other, _)| runs[*other].configuration.is_robust() && reliability[*other].reliable);
-        let others: Vec<(&str, &ErrorCurve)> =
-            others.map(|(other, curve)| (runs[other].name(), curve)).collect();
+        let counts = |other: usize| {
+            other != number && runs[other].configuration.is_robust() && reliability[other].reliable
+        };
+        let others = (0..runs.len()).filter(|&other| counts(other));
+        let others: Vec<_> = others.map(|other| (runs[other].name(), &curves[other])).collect();
         let curve = &curves[number];
         let point = |(at, level): (usize, &Level)| {
             let spread = |of: fn(&Errors) -> f64| Spread::of(level.errors.iter().map(of));

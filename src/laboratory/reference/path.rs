@@ -139,7 +139,8 @@ impl Reference {
             }
             // 5. The scattered ray.
             let color = material.color.as_dvec3() * texel;
-            let sample = lobes::sample(kind, roughness, color, direction, &normals, numbers(bounce(b)));
+            let event = lobes::Event { d: direction, normals: &normals, number: &numbers(bounce(b)) };
+            let sample = lobes::sample(kind, roughness, color, event);
             let sample = sample.filter(|(_, weight, _)| throughput * *weight != DVec3::ZERO);
             let Some((scattered, weight, is_delta)) = sample else {
                 break;

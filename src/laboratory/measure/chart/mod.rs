@@ -98,7 +98,8 @@ impl Plan {
         let configurations = configurations::of_scene(scene, default);
         step("pictures");
         let end = self.at(PICTURES_SHARE);
-        let (clock, pictures) = pictures::measure(scene, &configurations, ground_truth, self.seeds, end);
+        let runs = pictures::runs(scene, &configurations, ground_truth, self.seeds, end);
+        let (clock, pictures) = pictures::lines(&runs);
         step("frames");
         let in_frames: Vec<Configuration> =
             configurations.into_iter().filter(|one| IN_FRAMES.contains(&one.name)).collect();

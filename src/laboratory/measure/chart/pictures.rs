@@ -104,7 +104,7 @@ struct Level {
 }
 
 /// A configuration while it is measured.
-struct Run<'a> {
+pub(super) struct Run<'a> {
     configuration: &'a Configuration,
     renderer: Renderer,
     /// One per seed, with its seconds on the wall and of processor time.
@@ -119,18 +119,7 @@ struct Run<'a> {
 }
 
 /// Measures all configurations until `end`; at least one level of each. `seeds` of them, numbered from 1.
-/// Returns the clock that decides, too.
-pub(crate) fn measure(
-    scene: &Scene,
-    configurations: &[Configuration],
-    ground_truth: &GroundTruth,
-    seeds: u32,
-    end: Instant,
-) -> (Clock, Vec<Line>) {
-    lines(&runs(scene, configurations, ground_truth, seeds, end))
-}
-
-fn runs<'a>(
+pub(super) fn runs<'a>(
     scene: &Scene,
     configurations: &'a [Configuration],
     ground_truth: &GroundTruth,
@@ -248,7 +237,7 @@ fn to_target(renderer: &Renderer, target: &Target) -> Film {
 }
 
 /// Returns the clock that decides, and the lines of all runs; the first run is the default.
-fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
+pub(super) fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
     let clock = Clock::of(runs.iter().flat_map(|run| run.levels.iter().map(|level| &level.times)));
     let curves: Vec<ErrorCurve> = runs.iter().map(|run| run.curve(clock)).collect();
     let default = &runs[0];

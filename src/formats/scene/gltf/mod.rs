@@ -31,7 +31,6 @@ use material::{Added, Materials};
 use octray_engine::scene::{Camera, MaterialKind};
 use schema::Root;
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::path::Path;
 
 /// A glTF file whose geometry [`Gltf::add`] checks.
@@ -93,13 +92,11 @@ impl Gltf {
         let mut meshes: HashMap<usize, Vec<(Added, Geometry)>> = HashMap::new();
         let mut triangles = 0;
         for &(mesh, _) in &self.nodes.meshes {
-            let parts = match meshes.entry(mesh) {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => {
-                    new.insert(self.parts(mesh, material, &mut accessors, &mut materials, builder)?)
-                }
-            };
-            triangles += parts.iter().map(|(_, geometry)| geometry.triangles()).sum::<usize>();
+            if !meshes.contains_key(&mesh) {
+                let parts = self.parts(mesh, material, &mut accessors, &mut materials, builder)?;
+                meshes.insert(mesh, parts);
+            }
+            triangles += meshes[&mesh].iter().map(|(_, geometry)| geometry.triangles()).sum::<usize>();
             if triangles > MAX_COPIES {
                 let what = format!("the model holds more than {MAX_COPIES} triangles, copies counted");
                 let mend = "show the mesh on fewer nodes, or simplify it";

@@ -140,12 +140,10 @@ impl Identity {
                     (_, true) => {}
                     // Checksums mean nothing to a reader.
                     ("scene", _) => found.push(format!("{key} of the scene: not the same")),
-                    (group, _) => found.push(format!(
-                        "{}: {}, and here {}",
-                        label(group, key),
-                        shown(value),
-                        shown(other)
-                    )),
+                    (group, _) => {
+                        let [theirs, ours] = [value, other].map(shown);
+                        found.push(format!("{}: {theirs}, and here {ours}", label(group, key)));
+                    }
                 }
             }
         }

@@ -61,12 +61,10 @@ pub fn encode(
     let (eight, float) = (ExtendedColorType::Rgb8, ExtendedColorType::Rgb32F);
     let done = match format {
         Format::Png => PngEncoder::new(&mut out).write_image(&tone.bytes(picture), width, height, eight),
-        Format::Jpeg => JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY).write_image(
-            &tone.bytes(picture),
-            width,
-            height,
-            eight,
-        ),
+        Format::Jpeg => {
+            let encoder = JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY);
+            encoder.write_image(&tone.bytes(picture), width, height, eight)
+        }
         Format::Exr => openexr::write(&mut out, picture).map_err(ImageError::IoError),
         Format::Hdr => {
             let rounded: Vec<[f32; 3]> = pixels.iter().copied().map(round_to_rgbe).collect();

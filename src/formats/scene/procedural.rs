@@ -66,11 +66,8 @@ fn add_grid(
         for (low, high) in lower.windows(2).zip(upper.windows(2)) {
             for corners in [[low[0], high[0], high[1]], [low[0], high[1], low[1]]] {
                 // Triangles without area are left out.
-                let _ = builder.add_triangle(
-                    corners.map(Vec3::as_dvec3),
-                    material(corners),
-                    Attributes::default(),
-                );
+                let points = corners.map(Vec3::as_dvec3);
+                let _ = builder.add_triangle(points, material(corners), Attributes::default());
             }
         }
         lower = upper;

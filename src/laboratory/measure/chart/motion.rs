@@ -152,10 +152,8 @@ pub(crate) fn measure(
             for (squares, picture) in squares.iter_mut().zip(pictures) {
                 // Unbiased at any noise of the ground truth: with its independent halves a and b, this is the
                 // mean of (x − a)(x − b).
-                squares.push(
-                    Errors::of(picture, &ground_truth.frame).rmse.powi(2)
-                        - ground_truth.info.frame_rmse.powi(2),
-                );
+                let rmse = Errors::of(picture, &ground_truth.frame).rmse;
+                squares.push(rmse.powi(2) - ground_truth.info.frame_rmse.powi(2));
             }
         }
         squares.map(|squares| root_if_known(&squares))

@@ -117,10 +117,8 @@ pub fn leave_shell(
     // An arriving ray gives the point, so that its rounding is part of the method under test.
     let normal = rng.direction();
     let from = if side == Side::Inside { 0.3 } else { 3.0 };
-    let arriving = towards(
-        (center.as_dvec3() + normal * from).as_vec3(),
-        center.as_dvec3() + normal * f64::from(own.radius),
-    );
+    let center = center.as_dvec3();
+    let arriving = towards((center + normal * from).as_vec3(), center + normal * f64::from(own.radius));
     let Some((start, n)) = spawn(own, &arriving, side, method) else { return counts.record(true) };
     let direction = loop {
         let direction = rng.direction().as_vec3();

@@ -33,28 +33,28 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             title: "Rays spawned on triangles with edges of 1",
             axis: "distance of the triangle from the origin",
             places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0, x, 1.0], method))
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0, x, 1.0], ARRIVING, method))
         },
         TestCase {
             name: "spawn-size",
             title: "Rays spawned on triangles at a distance of 1 from the origin",
             axis: "edge of the triangle",
             places: &[1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [x, 1.0, 1.0], method))
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [x, 1.0, 1.0], ARRIVING, method))
         },
         TestCase {
             name: "spawn-travelled",
             title: "Rays spawned on triangles with edges of 1, at a distance of 1 from the origin, after a long ray",
             axis: "length of the arriving ray",
             places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            ..common(after_distance)
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0; 3], [x; 2], method))
         },
         TestCase {
             name: "spawn-slivers",
             title: "Rays spawned on slivers with edges of 1",
             axis: "usual height / height",
             places: &[1.0, 10.0, 100.0, 1e3, 1e4],
-            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0, 1.0, x], method))
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0, 1.0, x], ARRIVING, method))
         },
     ]
 }
@@ -167,15 +167,10 @@ fn leave_triangles(
     rng: &mut Rng,
     counts: &mut FailureCounts,
     [size, place, flat]: [f64; 3],
+    travelled: [f64; 2],
     method: SpawnMethod,
 ) {
     if let Some(vertices) = triangle(rng, size, place, flat) {
-        leave_triangle(counts, rng, vertices, ARRIVING.map(|travelled| travelled * size), method);
-    }
-}
-
-fn after_distance(rng: &mut Rng, travelled: f64, counts: &mut FailureCounts, method: SpawnMethod) {
-    if let Some(vertices) = triangle(rng, 1.0, 1.0, 1.0) {
-        leave_triangle(counts, rng, vertices, [travelled; 2], method);
+        leave_triangle(counts, rng, vertices, travelled.map(|sizes| sizes * size), method);
     }
 }

@@ -46,8 +46,8 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             methods: compare(
                 seam,
                 &[
-                    ("plus-one", |u| whole(if u < 0.0 { u + 1.0 } else { u } * COLUMNS)),
-                    ("minus-floor", |u| whole((u - u.floor()) * COLUMNS)),
+                    ("plus-one", |u| (if u < 0.0 { u + 1.0 } else { u } * COLUMNS) as i64),
+                    ("minus-floor", |u| ((u - u.floor()) * COLUMNS) as i64),
                     ("below-one", |u| nearest(u, COLUMNS)),
                 ],
             ),
@@ -66,7 +66,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
                 &[
                     // A cast to int; out of range it saturates, which is undefined in C.
                     ("integer", |u, columns| i64::from((u * columns) as i32).rem_euclid(columns as i64)),
-                    ("remainder", |u, columns| whole((u * columns) % columns)),
+                    ("remainder", |u, columns| ((u * columns) % columns) as i64),
                     ("fraction-first", nearest),
                 ],
             ),
@@ -121,11 +121,6 @@ fn poles(rng: &mut Rng, most: f64, counts: &mut FailureCounts, latitude: fn(Vec3
 }
 
 const COLUMNS: f32 = 1024.0;
-
-/// Towards zero.
-fn whole(x: f32) -> i64 {
-    x as i64
-}
 
 /// Returns the default's column.
 fn nearest(u: f32, columns: f32) -> i64 {

@@ -5,7 +5,7 @@ use crate::lane::{Lane, NATIVE_WIDTH, Native};
 use crate::measure::cores::Reliability;
 use crate::measure::kernel_set::{self as set, Found};
 use crate::measure::quantiles::Rounds;
-use crate::measure::stability::methods::{Method, box_methods, sphere_methods, triangle_methods};
+use crate::measure::stability::methods::{Method, all_methods};
 use crate::measure::stability::{Effort, Point, test_case};
 use crate::methods::{BoxMethod, SphereMethod, TriangleMethod};
 use serde::Serialize;
@@ -107,9 +107,9 @@ pub fn measure(end: Instant) -> Vec<Kernel> {
         }
     };
     let (far, slivers) = (case("spheres-far", 1e3), case("triangles-slivers", 1e4));
-    add("sphere", Some(far), far, &sphere_methods!(spheres));
-    add("triangle", Some(slivers), case("mesh-edges", 1.0), &triangle_methods!(triangles));
-    add("box", None, case("boxes-corners", 1.0), &box_methods!(boxes));
+    add("sphere", Some(far), far, &all_methods!(sphere, spheres));
+    add("triangle", Some(slivers), case("mesh-edges", 1.0), &all_methods!(triangle, triangles));
+    add("box", None, case("boxes-corners", 1.0), &all_methods!(box, boxes));
     for _ in Rounds::until(end, 3, usize::MAX) {
         all.iter_mut().for_each(TimedKernel::turn);
     }

@@ -3,7 +3,7 @@
 //!
 //! Source: Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
-use super::methods::box_methods;
+use super::methods::all_methods;
 use super::rays::{ray, to_f64, towards};
 use super::rng::Rng;
 use super::test_case::{Bound, Case, FAILED, FailureCounts, TestCase, trials};
@@ -18,7 +18,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
     let common = |case: Case<Entry>| TestCase {
         failure: "a ray that hits the box misses it",
         source: IZE,
-        methods: trials(case, &box_methods!(entry)),
+        methods: trials(case, &all_methods!(box, entry)),
         ..TestCase::COMMON
     };
     vec![

@@ -3,7 +3,7 @@
 //!
 //! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
-use super::methods::triangle_methods;
+use super::methods::all_methods;
 use super::rays::towards;
 use super::rng::Rng;
 use super::test_case::{Case, FailureCounts, TestCase, trials};
@@ -25,7 +25,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
         failure: "a ray inside a closed mesh hits nothing",
         source: WOOP,
         inputs: 40_000,
-        methods: trials(case, &triangle_methods!(leaks)),
+        methods: trials(case, &all_methods!(triangle, leaks)),
         ..TestCase::COMMON
     };
     vec![

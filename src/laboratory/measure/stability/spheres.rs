@@ -3,7 +3,7 @@
 //! Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
 //! Gems ch. 7, 2019.
 
-use super::methods::sphere_methods;
+use super::methods::all_methods;
 use super::rays::{ray, to_f64};
 use super::rng::Rng;
 use super::test_case::{Bound, Case, EPSILON, FAILED, FailureCounts, TestCase, trials};
@@ -21,7 +21,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
     let common = |case: Case<Intersect>| TestCase {
         failure: "hit or miss misjudged",
         source: HAINES,
-        methods: trials(case, &sphere_methods!(intersect)),
+        methods: trials(case, &all_methods!(sphere, intersect)),
         ..TestCase::COMMON
     };
     vec![

@@ -2,7 +2,7 @@
 //!
 //! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
-use super::methods::triangle_methods;
+use super::methods::all_methods;
 use super::rays::{ray, to_f64, towards};
 use super::rng::Rng;
 use super::test_case::{Bound, Case, EPSILON, FAILED, FailureCounts, TestCase, trials};
@@ -17,7 +17,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
         failure: "a ray through the triangle misses it",
         error: Some("|Δt| / t"),
         source: WOOP,
-        methods: trials(case, &triangle_methods!(intersect)),
+        methods: trials(case, &all_methods!(triangle, intersect)),
         ..TestCase::COMMON
     };
     vec![

@@ -100,8 +100,7 @@ impl Recorded {
     }
 }
 
-/// The properties that must be the same for two runs to give the same bits, and so to resume one from the
-/// other.
+/// The properties that two runs must share to give the same bits, and so to resume one from the other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Identity {

@@ -119,7 +119,6 @@ fn round_to_rgbe(pixel: [f32; 3]) -> [f32; 3] {
     let step_of = |x: f32| 2.0_f32.powi(exponent_of(x) - 7);
     let round = |step: f32| pixel.map(|channel| (channel / step).round() * step);
     let step = step_of(largest);
-    // When the largest channel rounds up to the next power of two, the step doubles: 256 old steps are 128
-    // new ones.
+    // If the largest channel rounds up to the next power of two, the step doubles: 256 steps become 128.
     if (largest / step).round() >= 256.0 { round(step * 2.0) } else { round(step) }
 }

@@ -128,8 +128,7 @@ fn triangle_text(scene: &Scene, number: usize, names: &[String]) -> String {
     format!("    {{ {text}\"material\": {} }}", json!(names[triangle.material as usize]))
 }
 
-/// Returns the materials' names. Duplicates are numbered, because the format refuses a name that occurs
-/// twice.
+/// Returns the materials' names. Duplicates are numbered, because the format refuses them.
 fn unique_names(materials: &[Material]) -> Vec<String> {
     let mut seen: HashMap<String, usize> = HashMap::new();
     materials

@@ -1,5 +1,4 @@
-//! Converts materials and skies of the native format: checks which keys belong together, and fills in
-//! defaults.
+//! Converts materials and skies of the native format: checks their keys, and fills in defaults.
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;

@@ -1,5 +1,4 @@
-//! Writes numbers, points, vectors, cameras and relative paths for the native formats. Numbers read back as
-//! the same bits.
+//! Writes numbers, points, vectors, cameras and relative paths. Numbers read back as the same bits.
 
 use super::camera_path::Keyframe;
 use glam::{DVec3, Vec3};

@@ -90,8 +90,7 @@ const ENOUGH: Duration = Duration::from_millis(500);
 const MOST_ROUNDS: usize = 15;
 const TURN: Duration = Duration::from_millis(10);
 
-/// Most primitive tests of the reference on a scene, and most samples of a pixel: the reference tests
-/// everything.
+/// Most tests of the reference, which tests every primitive, on a scene, and most samples of a pixel.
 const MOST_TESTS: usize = 2_000_000_000;
 const MOST_SAMPLES: u32 = 16;
 

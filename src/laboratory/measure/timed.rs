@@ -9,8 +9,7 @@ use crate::render::Renderer;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Frames before timing starts, or fewer if they take this time: caches and branch predictors fill, clocks
-/// rise.
+/// Frames before timing starts, or fewer in this time: caches and branch predictors fill, clocks rise.
 const WARM_UP: u32 = 5;
 const WARM_UP_TIME: Duration = Duration::from_millis(200);
 /// Fewest rounds behind a ratio that is relied on.

@@ -116,8 +116,7 @@ impl TracePool {
         });
     }
 
-    /// Calls `work` with all answers at once on one thread, or in chunks on more, and the number of the first
-    /// ray.
+    /// Calls `work` with the number of the first ray and all answers, or on several threads chunks of them.
     fn each_chunk(&self, rays: usize, answers: &mut Answers, work: impl Fn(usize, &mut Hits) + Sync) {
         if self.0.is_single() {
             return work(0, &mut answers.hits());

@@ -152,8 +152,7 @@ impl BoxMethod for Contracted {
 /// Source: Kay, Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986, as compilers make it of `a < b ? a : b`.
 pub type X86MinMax = MinMax<false>;
 
-/// [`X86MinMax`] with the minimum and maximum of IEEE 754, which ignore NaN (`f32::min` in Rust, `fmin` in
-/// C).
+/// [`X86MinMax`] with the minimum and maximum of IEEE 754, which ignore NaN (`f32::min`, `fmin` in C).
 ///
 /// Error: as [`BySign`] at corners; a false miss for all rays that run in the plane of a face, along an axis.
 pub type IeeeMinMax = MinMax<true>;

@@ -1,5 +1,4 @@
-//! The reference: the same picture in f64, one ray and one primitive at a time, written to be obviously
-//! right.
+//! The reference: the picture in f64, one ray and one primitive at a time, written to be obviously right.
 //!
 //! It shares no equation's code with what it checks. Speed is no goal.
 //!

@@ -46,8 +46,7 @@ pub struct SceneChart {
     pub motion: Vec<motion::MotionResult>,
 }
 
-/// Ends of the steps as shares of a scene's time: ground truth, pictures, frames, display. Motion has the
-/// rest.
+/// Ends of the steps as shares of a scene's time. Motion has the rest.
 const GROUND_TRUTH_SHARE: f64 = 0.25;
 const PICTURES_SHARE: f64 = 0.55;
 const FRAMES_SHARE: f64 = 0.67;

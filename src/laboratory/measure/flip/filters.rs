@@ -13,8 +13,7 @@ fn sampled(radius: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
 }
 
 impl Kernel {
-    /// Builds a kernel whose weights sum to 1, without the ends that are below f32's resolution of the middle
-    /// one.
+    /// Builds a kernel whose weights sum to 1, without ends below f32's resolution of the middle one.
     pub fn blur(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
         let (middle, resolution) = (weight(0.0), f64::from(f32::EPSILON) / 16.0);
         let needed = (0..=radius).rev().find(|&x| weight(x as f64) > middle * resolution);

@@ -1,5 +1,4 @@
-//! Boxes: corners and edges, planes of faces, far from the origin, all scales; and false hits beside padded
-//! boxes.
+//! Boxes: corners, edges, planes of faces, far from the origin, all scales; false hits beside padded boxes.
 //!
 //! Source: Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
@@ -210,8 +209,7 @@ fn at_corners(rng: &mut Rng, offset: f64, counts: &mut FailureCounts, entry: Ent
     }
 }
 
-/// Tries rays along lower and upper faces of all axes, with a direction whose component across the face is
-/// ±`across`.
+/// Tries rays along lower and upper faces of all axes, with the component ±`across` across the face.
 fn along_faces(rng: &mut Rng, across: f64, counts: &mut FailureCounts, entry: Entry) {
     let center = rng.in_cube();
     let (cuboid, half) = around(rng, center);

@@ -31,6 +31,7 @@ use material::{Added, Materials};
 use octray_engine::scene::{Camera, MaterialKind};
 use schema::Root;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 
 /// A glTF file whose geometry [`Gltf::add`] checks.
@@ -92,9 +93,8 @@ impl Gltf {
         let mut meshes: HashMap<usize, Vec<(Added, Geometry)>> = HashMap::new();
         let mut triangles = 0;
         for &(mesh, _) in &self.nodes.meshes {
-            if !meshes.contains_key(&mesh) {
-                let parts = self.parts(mesh, material, &mut accessors, &mut materials, builder)?;
-                meshes.insert(mesh, parts);
+            if let Entry::Vacant(new) = meshes.entry(mesh) {
+                new.insert(self.parts(mesh, material, &mut accessors, &mut materials, builder)?);
             }
             triangles += meshes[&mesh].iter().map(|(_, geometry)| geometry.triangles()).sum::<usize>();
             if triangles > MAX_COPIES {

@@ -129,13 +129,11 @@ pub fn leave_triangle(
     [near, far]: [f64; 2],
     method: SpawnMethod,
 ) {
-    let [a, b, c] = vertices.map(|v| v.as_dvec3());
     let (normal, bound) = (triangle_normal(vertices), triangle_offset(vertices));
     let [start, ab, ac] =
         [vertices[0], vertices[1] - vertices[0], vertices[2] - vertices[0]].map(math::Vec3::<f32>::splat);
     for _ in 0..8 {
-        let weights = rng.barycentrics();
-        let target = a * weights[0] + b * weights[1] + c * weights[2];
+        let target = triangles::mean(vertices.map(|v| v.as_dvec3()), rng.barycentrics());
         let distance = rng.scale(near, far);
         let arriving = towards((target + rng.direction() * distance).as_vec3(), target);
         let Some([t, u, v]) = triangles::intersect::<Woop>(vertices, &arriving, f32::INFINITY) else {

@@ -33,8 +33,7 @@
 //! before by *Russian roulette*. `octray inspect SCENE --pixel X,Y` prints a path, of this file and of the
 //! engine, on the same random numbers.
 
-use super::geometry::Surface;
-use super::scene::Reference;
+use super::geometry::{Reference, Surface};
 use super::{lobes, texture};
 use crate::path_vertex::{PathVertex, lobe};
 use crate::sampling::dimension::{PIXEL, bounce};

@@ -58,8 +58,7 @@
 //! Roundings seldom all add up: of 2·10⁵ random rays the worst stays below a tenth of these sums
 //! (`rounding_of_a_good_kernel_is_right` also passes with 4 for 40, and fails with 2).
 
-use super::geometry::Crossing;
-use super::scene::Reference;
+use super::geometry::{Crossing, Reference};
 use glam::DVec3;
 
 /// Largest excess of a weight beyond [0, 1].

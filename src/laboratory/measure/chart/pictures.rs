@@ -248,7 +248,7 @@ pub(super) fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
             other != number && runs[other].configuration.is_robust() && reliability[other].reliable
         };
         let others = (0..runs.len()).filter(|&other| counts(other));
-        let others: Vec<_> = others.map(|other| (runs[other].name(), &curves[other])).collect();
+        let others: Vec<_> = others.map(|other| (runs[other].configuration.name, &curves[other])).collect();
         let curve = &curves[number];
         let point = |(at, level): (usize, &Level)| {
             let spread = |of: fn(&Errors) -> f64| Spread::of(level.errors.iter().map(of));
@@ -269,8 +269,8 @@ pub(super) fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
             levels.flat_map(|(a, b)| a.hashes.iter().zip(&b.hashes)).filter(|(a, b)| a != b).count()
         };
         Line {
-            configuration: run.name(),
-            group: Group::of(run.name()),
+            configuration: run.configuration.name,
+            group: Group::of(run.configuration.name),
             robust: run.configuration.is_robust(),
             points: run.levels.iter().enumerate().map(point).collect(),
             pictures_unlike_default: run.configuration.has_same_bits().then(unlike),
@@ -283,10 +283,6 @@ pub(super) fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
 }
 
 impl Run<'_> {
-    fn name(&self) -> &'static str {
-        self.configuration.name
-    }
-
     fn curve(&self, clock: Clock) -> ErrorCurve {
         let rmse = |level: &Level| level.errors.iter().map(|errors| errors.rmse).collect();
         ErrorCurve::new(self.levels.iter().map(|level| (level.times.by(clock), rmse(level))))

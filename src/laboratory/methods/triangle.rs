@@ -127,11 +127,11 @@ impl<const EPSILON: bool> TriangleMethod for CramersRule<EPSILON> {
     }
     #[inline(always)]
     fn test<L: Lane>(ray: &Ray<L>, triangle: &Edges, limit: L) -> TriangleHit<L> {
-        let [a, ab, ac] = [triangle.a, triangle.ab, triangle.ac].map(Vec3::splat);
+        let (ab, ac) = (Vec3::splat(triangle.ab), Vec3::splat(triangle.ac));
         let p = ray.direction.cross(ac);
         let determinant = ab.dot(p);
         let inverse = L::one() / determinant;
-        let from_a = ray.origin - a;
+        let from_a = ray.origin - Vec3::splat(triangle.a);
         let u = from_a.dot(p) * inverse;
         let mut inside = L::zero().le(u) & u.le(L::one());
         if EPSILON {

@@ -91,7 +91,7 @@ count_by_simulation() {
         # Only tracing is counted. Each pass begins a new file: the first holds the generation of rays, then
         # follow two for each kind of ray, the second with warm caches.
         simulate "$scratch/out" --dump-before=octray_laboratory::measure::rays::Run::pass \
-            --toggle-collect=octray_laboratory::measure::trace::TracePool::trace_chunk "$octray" "$@" --passes 1
+            --toggle-collect=octray_laboratory::measure::trace::Accelerators::trace_chunk "$octray" "$@" --passes 1
         results "$scratch/report" >"$scratch/results"
         mv "$scratch/out" "$scratch/out.$(($(wc -l <"$scratch/results") * 2 + 1))"
         while read -r kind way rays; do

@@ -48,11 +48,8 @@ impl Fingerprint {
             warnings: _,
             files: _,
         } = scene;
-        let mut vertices = Hasher::new();
-        add_words(&mut vertices, uvs.iter().flatten().flat_map(|uv| uv.to_array()).map(f32::to_bits));
-        add_words(&mut vertices, [u32::MAX].into_iter());
-        let normals = normals.iter().flatten().flat_map(|normal| normal.to_array());
-        add_words(&mut vertices, normals.map(f32::to_bits));
+        let uvs = uvs.iter().flatten().flat_map(|uv| uv.to_array()).map(f32::to_bits);
+        let normals = normals.iter().flatten().flat_map(|normal| normal.to_array()).map(f32::to_bits);
         Self {
             camera: hash_debug(camera),
             sky: hash_debug(sky),
@@ -60,7 +57,7 @@ impl Fingerprint {
             textures: hash_textures(textures),
             spheres: hash_words(spheres.iter().flat_map(sphere_words)),
             triangles: hash_words(triangles.iter().flat_map(triangle_words)),
-            vertices: hexadecimal(vertices),
+            vertices: hash_words(uvs.chain([u32::MAX]).chain(normals)),
         }
     }
 }

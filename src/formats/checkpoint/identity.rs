@@ -4,8 +4,7 @@ use super::fingerprint::Fingerprint;
 use octray_engine::adaptive::Target;
 use octray_engine::lane::FUSED;
 use octray_engine::lights::LightChoice;
-use octray_engine::render::Settings;
-use octray_engine::render::{Methods, SphereChoice, TriangleChoice};
+use octray_engine::render::{Methods, Settings, SphereChoice, TriangleChoice};
 use octray_engine::sampling::Sampler;
 use octray_engine::scene::Scene;
 use octray_engine::tone::{Operator, Tone};
@@ -101,8 +100,7 @@ impl Recorded {
     }
 }
 
-/// The properties that must be the same for two runs to give the same bits, and so to resume one from the
-/// other.
+/// The properties that two runs must share to give the same bits, and so to resume one from the other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Identity {
@@ -141,12 +139,10 @@ impl Identity {
                     (_, true) => {}
                     // Checksums mean nothing to a reader.
                     ("scene", _) => found.push(format!("{key} of the scene: not the same")),
-                    (group, _) => found.push(format!(
-                        "{}: {}, and here {}",
-                        label(group, key),
-                        shown(value),
-                        shown(other)
-                    )),
+                    (group, _) => {
+                        let [theirs, ours] = [value, other].map(shown);
+                        found.push(format!("{}: {theirs}, and here {ours}", label(group, key)));
+                    }
                 }
             }
         }

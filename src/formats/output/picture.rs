@@ -61,12 +61,10 @@ pub fn encode(
     let (eight, float) = (ExtendedColorType::Rgb8, ExtendedColorType::Rgb32F);
     let done = match format {
         Format::Png => PngEncoder::new(&mut out).write_image(&tone.bytes(picture), width, height, eight),
-        Format::Jpeg => JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY).write_image(
-            &tone.bytes(picture),
-            width,
-            height,
-            eight,
-        ),
+        Format::Jpeg => {
+            let encoder = JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY);
+            encoder.write_image(&tone.bytes(picture), width, height, eight)
+        }
         Format::Exr => openexr::write(&mut out, picture).map_err(ImageError::IoError),
         Format::Hdr => {
             let rounded: Vec<[f32; 3]> = pixels.iter().copied().map(round_to_rgbe).collect();
@@ -121,7 +119,6 @@ fn round_to_rgbe(pixel: [f32; 3]) -> [f32; 3] {
     let step_of = |x: f32| 2.0_f32.powi(exponent_of(x) - 7);
     let round = |step: f32| pixel.map(|channel| (channel / step).round() * step);
     let step = step_of(largest);
-    // When the largest channel rounds up to the next power of two, the step doubles: 256 old steps are 128
-    // new ones.
+    // If the largest channel rounds up to the next power of two, the step doubles: 256 steps become 128.
     if (largest / step).round() >= 256.0 { round(step * 2.0) } else { round(step) }
 }

@@ -96,8 +96,7 @@ impl SceneBuilder {
         if !self.has_coordinates {
             let points = points.map(|point| placement.point(point));
             let first = points.clone().next().unwrap_or_default();
-            // The offset from the translation has the few digits of single precision, so that the sum is
-            // exact.
+            // The offset from the translation has the few digits of single precision: the sum is exact.
             let origin = self.origin.unwrap_or(match placement.translate {
                 DVec3::ZERO => first,
                 translate => translate + (first - translate).as_vec3().as_dvec3(),

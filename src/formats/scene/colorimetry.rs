@@ -9,8 +9,7 @@ use moxcms::{
 use octray_engine::scene::{Texels, srgb_to_linear};
 
 const REC709: Chromaticities = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
-/// Largest difference in a linear channel between colours or curves that count as the same, because files
-/// round them.
+/// Largest difference in a linear channel of colours or curves that count as the same: files round them.
 const SAME: f64 = 2e-3;
 
 /// Returns the matrix from linear RGB to CIE XYZ. Source: SMPTE RP 177.

@@ -6,7 +6,7 @@
 use super::error::SceneError;
 use super::files::Files;
 use super::native::FORMAT;
-use super::write::{camera, number, placed, relative, vec2, vec3};
+use super::write::{camera, number, placed, relative, vector};
 use super::{model, vertex_colors};
 use crate::openexr;
 use glam::Vec3;
@@ -90,9 +90,9 @@ fn text(scene: &Scene, paths: &[String]) -> String {
     entry("resolution", json!(scene.resolution).to_string());
     entry("max_bounces", json!(scene.max_bounces).to_string());
     match scene.sky {
-        Sky::Color(color) => entry("sky", format!("{{ \"color\": {} }}", vec3(color))),
+        Sky::Color(color) => entry("sky", format!("{{ \"color\": {} }}", vector(color))),
         Sky::Gradient { bottom, top } => {
-            let (bottom, top) = (vec3(bottom), vec3(top));
+            let (bottom, top) = (vector(bottom), vector(top));
             entry("sky", format!("{{ \"gradient\": {{ \"bottom\": {bottom}, \"top\": {top} }} }}"));
         }
         // A model has no sky texture.
@@ -118,18 +118,17 @@ fn triangle_text(scene: &Scene, number: usize, names: &[String]) -> String {
     let mut text = three("vertices", triangle.vertices.map(|vertex| placed(vertex, &scene.coordinates)));
     if let Some(texture) = vertex_colors_of(scene, material) {
         let colors = vertex_colors::read_back(texture, scene.uvs[number]);
-        text += &three("colors", colors.map(|color| vec3(color.into())));
+        text += &three("colors", colors.map(vector));
     } else if material.textures().next().is_some() {
-        text += &three("uvs", scene.uvs[number].map(vec2));
+        text += &three("uvs", scene.uvs[number].map(vector));
     }
     if let Some(normals) = scene.normals.get(number).filter(|normals| normals[0] != Vec3::ZERO) {
-        text += &three("normals", normals.map(vec3));
+        text += &three("normals", normals.map(vector));
     }
     format!("    {{ {text}\"material\": {} }}", json!(names[triangle.material as usize]))
 }
 
-/// Returns the materials' names. Duplicates are numbered, because the format refuses a name that occurs
-/// twice.
+/// Returns the materials' names. Duplicates are numbered, because the format refuses them.
 fn unique_names(materials: &[Material]) -> Vec<String> {
     let mut seen: HashMap<String, usize> = HashMap::new();
     materials
@@ -137,10 +136,7 @@ fn unique_names(materials: &[Material]) -> Vec<String> {
         .map(|material| {
             let mut name = material.name.clone();
             while seen.contains_key(&name) {
-                let count = seen.get_mut(&material.name).map_or(2, |count| {
-                    *count += 1;
-                    *count
-                });
+                let count = seen.entry(material.name.clone()).and_modify(|count| *count += 1).or_insert(2);
                 name = format!("{} {count}", material.name);
             }
             seen.insert(name.clone(), 1);

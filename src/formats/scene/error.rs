@@ -7,7 +7,7 @@ use std::path::PathBuf;
 pub const MAX_FAULTS: usize = 10;
 
 /// The reason why a scene was refused.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Default, thiserror::Error)]
 #[error("{what}{}{}{}", place(.file, .at), remedy(.mend), further(.others))]
 pub struct SceneError {
     /// The fault, as a clause without a full stop.
@@ -44,14 +44,7 @@ fn further(others: &[SceneError]) -> String {
 impl SceneError {
     /// Makes an error without a file and a remedy.
     pub(super) fn new(what: impl Into<String>) -> Self {
-        Self {
-            what: what.into(),
-            file: None,
-            at: None,
-            mend: None,
-            others: Box::default(),
-            files: Vec::new(),
-        }
+        Self { what: what.into(), ..Self::default() }
     }
     /// Joins the faults of a file in one error; `None` without faults.
     pub(super) fn join(faults: Vec<Self>) -> Option<Self> {

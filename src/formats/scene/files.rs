@@ -1,5 +1,4 @@
-//! Reads the other files of a scene, from a folder on disk, from the program itself, or from a caller's
-//! function.
+//! Reads the other files of a scene: from a folder on disk, the program itself, or a caller's function.
 
 use super::embedded;
 use super::error::SceneError;

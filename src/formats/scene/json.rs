@@ -171,10 +171,8 @@ pub fn data_fault(path: &str, message: &str) -> (String, String) {
         return (format!("`{key}` cannot be `{word}`"), format!("write one of {}", known.join(", ")));
     }
     if message == LONG_LIST {
-        return (
-            "there are too many entries in this list".to_string(),
-            "remove the entries from here on".to_string(),
-        );
+        let what = "there are too many entries in this list";
+        return (what.to_string(), "remove the entries from here on".to_string());
     }
     let message = message
         .replace("expected f64", "expected a number")

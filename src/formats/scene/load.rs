@@ -221,8 +221,7 @@ fn built_in(name: &str, unrounded: bool) -> Result<Scene, SceneError> {
     }
 }
 
-/// Returns the argument for the built-in or generated scene whose name is nearest to this one; `None` if none
-/// is near.
+/// Returns the argument for the built-in or generated scene of the nearest name; `None` if none is near.
 fn builtin_like(name: &str) -> Option<String> {
     let (word, count) = name.split_once(':').unwrap_or((name, ""));
     if let Some(word) = nearest(word, procedural::words()) {

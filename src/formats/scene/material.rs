@@ -1,5 +1,4 @@
-//! Converts materials and skies of the native format: checks which keys belong together, and fills in
-//! defaults.
+//! Converts materials and skies of the native format: checks their keys, and fills in defaults.
 
 use super::builder::SceneBuilder;
 use super::error::SceneError;
@@ -81,24 +80,29 @@ pub fn material(
 
 const NOT_ROUGH: &str = "remove it, or make the type `metal`, `plastic`, `metal-rough` or `scatter`";
 const NOT_EMISSION: &str = "make it the `texture`, which multiplies the emission of an emitter";
+const NOT_COLOR: &str = "remove it: an emitter scatters nothing; its light is `emission`";
 const NO_INDEX: &str = "remove it, or make the type `glass`, `plastic` or `metal-rough`";
 
-/// Each key that some types lack, the types that have it, and the remedy for the others.
-const RULES: [(&str, &[&str], &str); 8] = [
-    ("roughness", ROUGH, NOT_ROUGH),
-    ("roughness_map", ROUGH, NOT_ROUGH),
-    ("metallic", &["metal-rough"], "remove it, or make the type `metal-rough`"),
-    ("normal_map", SCATTERING, "remove it: an emitter scatters nothing"),
-    ("emission_map", SCATTERING, NOT_EMISSION),
-    ("ior", &["glass", "plastic", "metal-rough"], NO_INDEX),
-    ("thin", &["glass"], "remove it, or make the type `glass`"),
-    ("color", SCATTERING, "remove it: an emitter scatters nothing; its light is `emission`"),
+/// A key that some types lack, the types that have it, the remedy for the others, and whether it is there.
+type Rule = (&'static str, &'static [&'static str], &'static str, fn(&MaterialFile) -> bool);
+
+const RULES: [Rule; 8] = [
+    ("roughness", ROUGH, NOT_ROUGH, |file| file.roughness.is_some()),
+    ("roughness_map", ROUGH, NOT_ROUGH, |file| file.roughness_map.is_some()),
+    ("metallic", &["metal-rough"], "remove it, or make the type `metal-rough`", |file| {
+        file.metallic.is_some()
+    }),
+    ("normal_map", SCATTERING, "remove it: an emitter scatters nothing", |file| file.normal_map.is_some()),
+    ("emission_map", SCATTERING, NOT_EMISSION, |file| file.emission_map.is_some()),
+    ("ior", &["glass", "plastic", "metal-rough"], NO_INDEX, |file| file.ior.is_some()),
+    ("thin", &["glass"], "remove it, or make the type `glass`", |file| file.thin.is_some()),
+    ("color", SCATTERING, NOT_COLOR, |file| file.color.is_some()),
 ];
 
 /// Tests whether materials of this type have a key of materials. A type that does not exist has all.
 pub fn has_key(material_type: &str, key: &str) -> bool {
     !TYPES.contains(&material_type)
-        || RULES.iter().all(|(known, types, _)| *known != key || types.contains(&material_type))
+        || RULES.iter().all(|(known, types, ..)| *known != key || types.contains(&material_type))
 }
 
 /// Tests whether this is a key of materials, by any of its names.
@@ -114,18 +118,8 @@ fn check_keys(file: &MaterialFile, place: &JsonPath) -> Result<(), SceneError> {
         let mend = format!("{}the types are {}", did_you_mean(name, &TYPES), TYPES.join(", "));
         return Err(place.key("type").error(format!("unknown material type `{name}`"), mend));
     }
-    let is_there = |key| match key {
-        "roughness" => file.roughness.is_some(),
-        "roughness_map" => file.roughness_map.is_some(),
-        "metallic" => file.metallic.is_some(),
-        "normal_map" => file.normal_map.is_some(),
-        "emission_map" => file.emission_map.is_some(),
-        "ior" => file.ior.is_some(),
-        "thin" => file.thin.is_some(),
-        _ => file.color.is_some(),
-    };
-    let misplaced = RULES.iter().filter(|(key, types, _)| is_there(key) && !types.contains(&name));
-    let faults = misplaced.map(|(key, _, mend)| {
+    let misplaced = RULES.iter().filter(|(_, types, _, is_there)| is_there(file) && !types.contains(&name));
+    let faults = misplaced.map(|(key, _, mend, _)| {
         place.key(key).error(format!("`{key}` does not belong to a material of type `{name}`"), *mend)
     });
     if let Some(error) = SceneError::join(faults.collect()) {

@@ -66,15 +66,16 @@ fn add_grid(
         for (low, high) in lower.windows(2).zip(upper.windows(2)) {
             for corners in [[low[0], high[0], high[1]], [low[0], high[1], low[1]]] {
                 // Triangles without area are left out.
-                let _ = builder.add_triangle(
-                    corners.map(Vec3::as_dvec3),
-                    material(corners),
-                    Attributes::default(),
-                );
+                let points = corners.map(Vec3::as_dvec3);
+                let _ = builder.add_triangle(points, material(corners), Attributes::default());
             }
         }
         lower = upper;
     }
+}
+
+fn camera(position: [f32; 3], look_at: [f32; 3]) -> Camera {
+    Camera { position: position.into(), look_at: look_at.into(), up: Vec3::Y, vertical_fov: 38.0 }
 }
 
 /// Scene units along x and z.
@@ -107,13 +108,8 @@ fn terrain(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
             () => rock,
         }
     });
-    let camera = Camera {
-        position: Vec3::new(2.6, 2.6, 5.4),
-        look_at: Vec3::new(0.3, 0.6, 0.0),
-        up: Vec3::Y,
-        vertical_fov: 38.0,
-    };
-    (camera, Sky::Gradient { bottom: Vec3::new(1.15, 0.95, 0.8), top: Vec3::new(0.35, 0.6, 1.1) })
+    let sky = Sky::Gradient { bottom: Vec3::new(1.15, 0.95, 0.8), top: Vec3::new(0.35, 0.6, 1.1) };
+    (camera([2.6, 2.6, 5.4], [0.3, 0.6, 0.0]), sky)
 }
 
 /// Returns the height of the ground in scene units: a ridged multifractal of sums and products alone, so that
@@ -176,13 +172,8 @@ fn knot(builder: &mut SceneBuilder, cells: usize) -> (Camera, Sky) {
         on_tube(turn(x, along), turn(y, around)).as_vec3()
     };
     add_grid(builder, [along, around], point, |_| copper);
-    let camera = Camera {
-        position: Vec3::new(1.2, 3.9, 3.0),
-        look_at: Vec3::new(0.0, 0.0, 0.05),
-        up: Vec3::Y,
-        vertical_fov: 38.0,
-    };
-    (camera, Sky::Gradient { bottom: Vec3::new(0.05, 0.06, 0.09), top: Vec3::new(1.2, 1.25, 1.35) })
+    let sky = Sky::Gradient { bottom: Vec3::new(0.05, 0.06, 0.09), top: Vec3::new(1.2, 1.25, 1.35) };
+    (camera([1.2, 3.9, 3.0], [0.0, 0.0, 0.05]), sky)
 }
 
 /// Returns the point at an angle `s` along the knot and `t` around the tube, along which ribs wind.

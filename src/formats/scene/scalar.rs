@@ -31,8 +31,7 @@ impl Scalar {
             Kind::Real => f64::from_bits(bits),
         }
     }
-    /// Returns the largest whole number of this type, of at most 4 bytes; 1 for real ones, which need no
-    /// scale.
+    /// Returns the largest whole number of this type of at most 4 bytes; 1 for real ones, without a scale.
     pub fn largest(self) -> f64 {
         match self.kind {
             Kind::Signed => ((1_u64 << (8 * self.bytes - 1)) - 1) as f64,

@@ -12,7 +12,6 @@ use moxcms::ColorProfile;
 use octray_engine::film::Picture;
 use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
 use std::collections::HashMap;
-use std::fmt::Display;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -161,7 +160,7 @@ fn decode(
     let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR image")?;
     let refused = |error| match error {
         ImageError::Limits(_) => too_large(),
-        error => broken(error),
+        error => format!("the image is broken: {error}"),
     };
     let mut decoder = reader.into_decoder().map_err(refused)?;
     let (width, height) = decoder.dimensions();
@@ -183,7 +182,7 @@ fn decode(
         return Ok((picture.width(), picture.height(), texels));
     }
     let is_color = texel_kind == TexelKind::Color;
-    let profile = is_color.then(|| profile(bytes, format, &mut decoder, left_out));
+    let profile = is_color.then(|| profile(bytes, &mut decoder, left_out));
     let picture = DynamicImage::from_decoder(decoder).map_err(refused)?;
     if is_color && picture.color().has_alpha() && picture.pixels().any(|(_, _, pixel)| pixel[3] < u8::MAX) {
         left_out.push("its transparency is left out".to_string());
@@ -226,16 +225,14 @@ fn has_end(jpeg: &[u8]) -> bool {
 /// Returns the profile of a picture's values; `None` if it cannot be used.
 fn profile(
     bytes: &[u8],
-    format: ImageFormat,
     decoder: &mut impl ImageDecoder,
     left_out: &mut Vec<String>,
 ) -> Option<ColorProfile> {
     if decoder.orientation().is_ok_and(|turn| turn != Orientation::NoTransforms) {
         left_out.push("its EXIF orientation is left out: turn the picture itself".to_string());
     }
-    let info = (format == ImageFormat::Png)
-        .then(|| png::Decoder::new(Cursor::new(bytes)).read_info().ok())
-        .flatten();
+    // Files of other formats have none.
+    let info = png::Decoder::new(Cursor::new(bytes)).read_info().ok();
     let png = info.as_ref().map(png::Reader::info);
     if let Some(codes) = png.and_then(|png| png.coding_independent_code_points) {
         return colorimetry::cicp(codes);
@@ -299,10 +296,6 @@ fn too_large() -> String {
         "the image is larger than {MAX_IMAGE_SIDE} texels in width or height, or decodes to more than \
          {MAX_IMAGE_BYTES} bytes"
     )
-}
-
-fn broken(error: impl Display) -> String {
-    format!("the image is broken: {error}")
 }
 
 /// Makes texels of the other formats' display values (sRGB) or data, of 8 or 16 bits.

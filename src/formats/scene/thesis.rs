@@ -231,8 +231,7 @@ impl Loader {
         self.known.insert(key, number);
         Ok(number)
     }
-    /// Loads the texture at a path, which may be relative to any of several folders. A path that is not found
-    /// is a warning.
+    /// Loads the texture at a path relative to any of several folders. A path without a file is a warning.
     fn texture(&mut self, path: &str) -> Option<u32> {
         if path.is_empty() {
             return None;

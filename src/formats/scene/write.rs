@@ -1,8 +1,7 @@
-//! Writes numbers, points, vectors, cameras and relative paths for the native formats. Numbers read back as
-//! the same bits.
+//! Writes numbers, points, vectors, cameras and relative paths. Numbers read back as the same bits.
 
 use super::camera_path::Keyframe;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 use octray_engine::scene::{Camera, Coordinates};
 use std::path::Path;
 
@@ -30,7 +29,7 @@ pub fn camera(camera: &Camera, coordinates: &Coordinates) -> String {
         "{{ \"position\": {}, \"look_at\": {}, \"up\": {}, \"vertical_fov\": {} }}",
         placed(camera.position, coordinates),
         placed(camera.look_at, coordinates),
-        vec3(camera.up),
+        vector(camera.up),
         number(camera.vertical_fov)
     )
 }
@@ -49,12 +48,9 @@ pub fn placed(p: Vec3, coordinates: &Coordinates) -> String {
     format!("[{x}, {y}, {z}]")
 }
 
-pub fn vec3(v: Vec3) -> String {
-    format!("[{}, {}, {}]", number(v.x), number(v.y), number(v.z))
-}
-
-pub fn vec2(v: Vec2) -> String {
-    format!("[{}, {}]", number(v.x), number(v.y))
+/// Writes a vector.
+pub fn vector<const N: usize>(v: impl Into<[f32; N]>) -> String {
+    format!("[{}]", v.into().map(number).join(", "))
 }
 
 /// Writes the shortest decimal that reads back as the same bits. Numbers are read as f64, so that the

@@ -201,10 +201,12 @@ fn ratios(engines: &[Engine], times: &[&Times], general: Option<&Times>, second:
 
 fn measurement(
     scene: &Scene,
-    TimedRenderer { renderer, film, times }: &TimedRenderer,
-    [speedup, scaling, specialisation, over_second]: Ratios,
+    timed: &TimedRenderer,
+    ratios: Ratios,
     stats: Option<FrameStats>,
 ) -> Measurement {
+    let TimedRenderer { renderer, film, times } = timed;
+    let [speedup, scaling, specialisation, over_second] = ratios;
     let reliability = times.reliability(FEWEST_FRAMES);
     let times = Quantiles::of(times.seconds.clone());
     let settings = renderer.settings();

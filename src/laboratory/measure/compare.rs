@@ -90,8 +90,7 @@ const ENOUGH: Duration = Duration::from_millis(500);
 const MOST_ROUNDS: usize = 15;
 const TURN: Duration = Duration::from_millis(10);
 
-/// Most primitive tests of the reference on a scene, and most samples of a pixel: the reference tests
-/// everything.
+/// Most tests of the reference, which tests every primitive, on a scene, and most samples of a pixel.
 const MOST_TESTS: usize = 2_000_000_000;
 const MOST_SAMPLES: u32 = 16;
 
@@ -129,9 +128,9 @@ pub fn compare(scene: &Scene, settings: Settings, samples: u32, timed: bool) -> 
         }
     }
     // The reference has no next event estimation, so it can only follow paths without.
-    let share = Share::of(scene, &settings, samples);
+    let share = share(scene, &settings, samples);
     let methods = Methods { lights: LightChoice::Off, ..settings.methods };
-    let to_check = rendered(scene, Settings { methods, ..settings }, share.samples).picture();
+    let to_check = rendered(scene, Settings { methods, ..settings }, share.0).picture();
     Comparison {
         scene: scene.name.clone(),
         pixels: scalar_picture.pixels.len(),
@@ -175,27 +174,19 @@ impl Mismatches {
     }
 }
 
-/// The part of a picture that is compared with the reference.
-#[derive(Clone, Copy)]
-struct Share {
-    samples: u32,
-    /// Every `stride`-th pixel.
-    stride: usize,
-}
-
-impl Share {
-    fn of(scene: &Scene, settings: &Settings, samples: u32) -> Self {
-        let pixels = settings.resolution[0] as usize * settings.resolution[1] as usize;
-        // A sample of every pixel costs about this many tests: the primary hit, and a path of some segments.
-        let tests = (pixels * scene.primitives() * 4).max(1);
-        let affordable = u32::try_from(MOST_TESTS / tests).unwrap_or(u32::MAX).max(1);
-        // Coprime to the width, so that no column is left out.
-        let mut stride = tests.div_ceil(MOST_TESTS);
-        while gcd(stride, settings.resolution[0] as usize) > 1 {
-            stride += 1;
-        }
-        Self { samples: samples.min(MOST_SAMPLES).min(affordable), stride }
+/// Returns how much of a picture is compared with the reference: the samples of a pixel, and every how many
+/// pixels one is compared.
+fn share(scene: &Scene, settings: &Settings, samples: u32) -> (u32, usize) {
+    let [width, height] = settings.resolution.map(|side| side as usize);
+    // A sample of every pixel costs about this many tests: the primary hit, and a path of some segments.
+    let tests = (width * height * scene.primitives() * 4).max(1);
+    let affordable = u32::try_from(MOST_TESTS / tests).unwrap_or(u32::MAX).max(1);
+    // Coprime to the width, so that no column is left out.
+    let mut stride = tests.div_ceil(MOST_TESTS);
+    while gcd(stride, width) > 1 {
+        stride += 1;
     }
+    (samples.min(MOST_SAMPLES).min(affordable), stride)
 }
 
 /// Returns the greatest common divisor (Euclid).
@@ -208,7 +199,7 @@ fn check_against_reference(
     scene: &Scene,
     renderer: &Renderer,
     picture: &Picture,
-    Share { samples, stride }: Share,
+    (samples, stride): (u32, usize),
 ) -> ReferenceCheck {
     let reference = Reference::new(scene);
     let Settings { resolution, max_bounces, seed, methods, .. } = *renderer.settings();

@@ -58,8 +58,8 @@ impl Reliability {
 }
 
 /// Runs `work`, which uses this number of threads: the caller alone, or the pool inside which this is called.
-/// Each is pinned to a core of its own until the end.
-pub(crate) fn on_own_cores<R>(threads: usize, work: impl FnOnce() -> R) -> (R, Reliability) {
+/// Each is pinned to a core of its own until the end. Returns the result, its seconds, and their reliability.
+pub(crate) fn on_own_cores<R>(threads: usize, work: impl FnOnce() -> R) -> (R, f64, Reliability) {
     static CORES: OnceLock<Vec<usize>> = OnceLock::new();
     let cores = CORES.get_or_init(system::cores);
     let core = |thread: usize| cores.get(thread).filter(|_| threads <= cores.len());
@@ -72,7 +72,8 @@ pub(crate) fn on_own_cores<R>(threads: usize, work: impl FnOnce() -> R) -> (R, R
     let span = |which: usize| -> Vec<Option<f64>> {
         old.iter().zip(&new).map(|(old, new)| Some(new[which]? - old[which]?)).collect()
     };
-    (result, Reliability::of_span(wall, &span(0), &span(1), before.iter().all(Option::is_some)))
+    let is_pinned = before.iter().all(Option::is_some);
+    (result, wall, Reliability::of_span(wall, &span(0), &span(1), is_pinned))
 }
 
 /// Calls `run` on each thread, with its number.
@@ -171,7 +172,7 @@ mod tests {
         for threads in [1, all.min(2)] {
             let pool = crate::threads::Threads::new(threads, || ());
             let measured = || on_each(threads, |_| (cores(), system::cores()));
-            let (inside, reliability) = pool.run(|| on_own_cores(threads, measured));
+            let (inside, _, reliability) = pool.run(|| on_own_cores(threads, measured));
             assert_eq!(reliability.pinned, cfg!(target_os = "linux"));
             if reliability.pinned {
                 assert!(inside.iter().all(|(cores, _)| *cores == 1));

@@ -34,11 +34,8 @@ impl Errors {
     /// # Panics
     /// If the pictures differ in size, or have no pixel.
     pub fn of(picture: &Picture, expected: &Picture) -> Self {
-        assert_eq!(
-            (picture.width, picture.height),
-            (expected.width, expected.height),
-            "pictures of one size"
-        );
+        let size = |picture: &Picture| [picture.width, picture.height];
+        assert_eq!(size(picture), size(expected), "pictures of one size");
         assert!(!expected.pixels.is_empty(), "a picture has pixels");
         let mut squares = 0.0;
         let pixel = |(seen, expected): (&[f32; 3], &[f32; 3])| {

@@ -7,9 +7,7 @@
 use crate::kernel::ray_box::Padding;
 use crate::lane::{F32x8, Lane, Mask};
 use crate::math::{Ray, Vec3};
-use crate::methods::BoxMethod;
-use crate::methods::SphereMethod;
-use crate::methods::TriangleMethod;
+use crate::methods::{BoxMethod, SphereMethod, TriangleMethod};
 use glam::Vec3 as Point;
 
 /// Rays: 64 packets of eight.
@@ -111,17 +109,11 @@ pub fn rays<L: Lane>() -> Vec<Ray<L>> {
         // Item numbers that no primitive has.
         let (packet, lane) = ((1 << 16) + (index / F32x8::WIDTH) as u32, (1 << 17) + index as u32);
         let origin = 4.0 * (point(packet, 0) + Point::splat(1e-3)).normalize();
-        (origin, (point(packet, 3) + 0.05 * point(lane, 0) - origin).normalize())
+        let direction = (point(packet, 3) + 0.05 * point(lane, 0) - origin).normalize();
+        Ray { origin: Vec3::splat(origin), direction: Vec3::splat(direction) }
     };
-    (0..RAYS / L::WIDTH)
-        .map(|packet| {
-            let lanes = |of: &dyn Fn(usize) -> Point| {
-                let component = |axis: usize| L::from_fn(|lane| of(packet * L::WIDTH + lane)[axis]);
-                Vec3::new(component(0), component(1), component(2))
-            };
-            Ray { origin: lanes(&|index| ray(index).0), direction: lanes(&|index| ray(index).1) }
-        })
-        .collect()
+    let rays: Vec<Ray<f32>> = (0..RAYS).map(ray).collect();
+    rays.chunks_exact(L::WIDTH).map(Ray::from_lanes).collect()
 }
 
 /// Returns a sphere in the cube: centre and squared radius.

@@ -107,21 +107,6 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn median_is_the_middle_of_odd_and_the_mean_of_the_middles_of_even_counts() {
-        assert_eq!(Quantiles::of(vec![3.0, 1.0, 2.0]).median(), 2.0);
-        assert_eq!(Quantiles::of(vec![4.0, 1.0, 2.0, 3.0]).median(), 2.5);
-    }
-
-    #[test]
-    fn quantile_is_the_nearest_rank() {
-        let hundred = Quantiles::of((1..=100).map(f64::from).collect());
-        assert_eq!(hundred.at(0.99), 99.0);
-        assert_eq!(hundred.spread(), [10.0, 90.0]);
-        assert_eq!(hundred.at(0.0), 1.0);
-        assert_eq!(hundred.at(1.0), 100.0);
-    }
-
-    #[test]
     fn rounds_are_the_fewest_without_time_and_the_most_with_time() {
         let (now, later) = (Instant::now(), Instant::now() + Duration::from_secs(3600));
         assert!(Rounds::until(now, 3, 8).eq(0..3) && Rounds::within(now, 3, 8).eq(0..3));

@@ -139,8 +139,7 @@ impl RaySet {
     }
 }
 
-/// Returns the origin of a secondary ray at a hit, and the unit normal on the side from which the first ray
-/// arrives.
+/// Returns the origin of a secondary ray at a hit, and the unit normal on the side of the first ray.
 pub(super) fn secondary_origin(scene: &Scene, ray: &Ray<f32>, hit: &Answer) -> (Vec3<f32>, Vec3<f32>) {
     let primitive = scene.primitive(hit.primitive as usize);
     let (point, outward, offset) = primitive.shape().surface(ray.at(hit.t), [hit.u, hit.v]);

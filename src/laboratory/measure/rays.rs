@@ -170,7 +170,7 @@ impl Run<'_> {
             pool.trace(self.method, structures, set, answers, set.kind.any_hit());
             start.elapsed().as_secs_f64()
         };
-        let (seconds, turn) = pool.run(|| on_own_cores(pool.threads(), trace));
+        let (seconds, _, turn) = pool.run(|| on_own_cores(pool.threads(), trace));
         self.times.push(&[seconds], turn);
         self.hits = answers.count();
         let disagreement = |ray| {

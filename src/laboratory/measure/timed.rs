@@ -9,8 +9,7 @@ use crate::render::Renderer;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Frames before timing starts, or fewer if they take this time: caches and branch predictors fill, clocks
-/// rise.
+/// Frames before timing starts, or fewer in this time: caches and branch predictors fill, clocks rise.
 const WARM_UP: u32 = 5;
 const WARM_UP_TIME: Duration = Duration::from_millis(200);
 /// Fewest rounds behind a ratio that is relied on.
@@ -92,7 +91,7 @@ impl TimedRenderer {
             }
             seconds
         };
-        let (seconds, turn) = renderer.on_threads(|| on_own_cores(renderer.settings().threads, run));
+        let (seconds, _, turn) = renderer.on_threads(|| on_own_cores(renderer.settings().threads, run));
         times.push(&seconds, turn);
     }
 }
@@ -103,13 +102,9 @@ pub(crate) fn time_on_cores<R: Send>(
     renderer: &Renderer,
     work: impl FnOnce() -> R + Send,
 ) -> (R, f64, Reliability) {
-    let timed = || {
-        let start = Instant::now();
-        (work(), 1e3 * start.elapsed().as_secs_f64())
-    };
     let threads = renderer.settings().threads;
-    let ((result, ms), reliability) = renderer.on_threads(|| on_own_cores(threads, timed));
-    (result, ms, reliability)
+    let (result, seconds, reliability) = renderer.on_threads(|| on_own_cores(threads, work));
+    (result, 1e3 * seconds, reliability)
 }
 
 /// The ratio of two speeds: the median over the rounds of each round's own ratio. A slow spell of the machine

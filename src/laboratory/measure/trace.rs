@@ -37,8 +37,9 @@ impl Accelerators {
     }
 
     /// Updates the hits of all rays: the closest hit, or any hit. Without a hierarchy, every primitive is
-    /// tested.
-    fn trace(
+    /// tested. `inline(never)`: `perf/stat.sh` selects this function by name.
+    #[inline(never)]
+    fn trace_chunk(
         &self,
         method: TraversalChoice,
         tracer: &mut Tracer,
@@ -64,7 +65,7 @@ impl Accelerators {
         for first in (0..set.len()).step_by(CHUNK) {
             let range = first..set.len().min(first + CHUNK);
             let (rays, hits) = (&set.rays().range(range.clone()), &mut hits.range(range));
-            self.trace(method, &mut tracer, rays, hits, set.kind.any_hit());
+            self.trace_chunk(method, &mut tracer, rays, hits, set.kind.any_hit());
         }
         tracer.take_counts()
     }
@@ -108,25 +109,11 @@ impl TracePool {
     ) {
         self.each_chunk(set.len(), answers, |first, hits| {
             let rays = set.rays().range(first..first + hits.t.len());
-            self.trace_chunk(method, structures, &rays, hits, any_hit);
+            structures.trace_chunk(method, &mut self.0.local(), &rays, hits, any_hit);
         });
     }
 
-    /// Traces some of the rays. `inline(never)`: `perf/stat.sh` selects this function by name.
-    #[inline(never)]
-    fn trace_chunk(
-        &self,
-        method: TraversalChoice,
-        structures: &Accelerators,
-        rays: &Rays,
-        hits: &mut Hits,
-        any_hit: bool,
-    ) {
-        structures.trace(method, &mut self.0.local(), rays, hits, any_hit);
-    }
-
-    /// Calls `work` with all answers at once on one thread, or in chunks on more, and the number of the first
-    /// ray.
+    /// Calls `work` with the number of the first ray and all answers, or on several threads chunks of them.
     fn each_chunk(&self, rays: usize, answers: &mut Answers, work: impl Fn(usize, &mut Hits) + Sync) {
         if self.0.is_single() {
             return work(0, &mut answers.hits());

@@ -66,11 +66,6 @@ impl<L: Lane> Inverse<L> {
     fn planes(&self, planes: Vec3<L>) -> Vec3<L> {
         (planes - self.origin) * self.inverse
     }
-    #[inline(always)]
-    fn by_sign(&self, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        let (first, second) = in_order(self.inverse, lo, hi);
-        intersect(self.planes(first), self.planes(second))
-    }
 }
 
 /// The intersection of the three intervals; NaN bounds nothing.
@@ -85,28 +80,18 @@ fn intersect<L: Lane>(near: Vec3<L>, far: Vec3<L>) -> (L, L) {
 /// Error: a false miss for 9 % of rays, where two planes meet and their t round to the wrong order.
 /// Source: Williams, Barrus, Morley, Shirley, "An Efficient and Robust Ray-Box Intersection Algorithm", JGT
 /// 10(1), 2005.
-pub struct BySign;
-
-impl BoxMethod for BySign {
-    type Precalculated<L: Lane> = Inverse<L>;
-
-    #[inline(always)]
-    fn precalculate<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
-        Inverse::new(ray)
-    }
-    #[inline(always)]
-    fn pass<L: Lane>(ray: &Inverse<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        ray.by_sign(lo, hi)
-    }
-}
+pub type BySign = PickedBySign<false>;
 
 /// [`BySign`] with the far distance times 1 + 2 ulp.
 ///
 /// Error: no false miss. Each of the two distances has three roundings; 1 ulp would not cover them.
 /// Source: Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, §3.
-pub struct BySignWidened;
+pub type BySignWidened = PickedBySign<true>;
 
-impl BoxMethod for BySignWidened {
+/// The planes picked by the direction's sign, with the far distance widened or not.
+pub struct PickedBySign<const WIDENED: bool>;
+
+impl<const WIDENED: bool> BoxMethod for PickedBySign<WIDENED> {
     type Precalculated<L: Lane> = Inverse<L>;
 
     #[inline(always)]
@@ -115,8 +100,9 @@ impl BoxMethod for BySignWidened {
     }
     #[inline(always)]
     fn pass<L: Lane>(ray: &Inverse<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        let (near, far) = ray.by_sign(lo, hi);
-        (near, far * L::splat(1.0 + 2.0 * f32::EPSILON))
+        let (first, second) = in_order(ray.inverse, lo, hi);
+        let (near, far) = intersect(ray.planes(first), ray.planes(second));
+        (near, if WIDENED { far * L::splat(1.0 + 2.0 * f32::EPSILON) } else { far })
     }
 }
 
@@ -164,28 +150,17 @@ impl BoxMethod for Contracted {
 /// Error: as [`BySign`] at corners; a false miss for half of the rays that run in the plane of a face, along
 /// an axis.
 /// Source: Kay, Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986, as compilers make it of `a < b ? a : b`.
-pub struct X86MinMax;
+pub type X86MinMax = MinMax<false>;
 
-impl BoxMethod for X86MinMax {
-    type Precalculated<L: Lane> = Inverse<L>;
-
-    #[inline(always)]
-    fn precalculate<L: Lane>(ray: &Ray<L>, _: Padding) -> Inverse<L> {
-        Inverse::new(ray)
-    }
-    #[inline(always)]
-    fn pass<L: Lane>(ray: &Inverse<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        ordered(ray, lo, hi, L::min, L::max)
-    }
-}
-
-/// [`X86MinMax`] with the minimum and maximum of IEEE 754, which ignore NaN (`f32::min` in Rust, `fmin` in
-/// C).
+/// [`X86MinMax`] with the minimum and maximum of IEEE 754, which ignore NaN (`f32::min`, `fmin` in C).
 ///
 /// Error: as [`BySign`] at corners; a false miss for all rays that run in the plane of a face, along an axis.
-pub struct IeeeMinMax;
+pub type IeeeMinMax = MinMax<true>;
 
-impl BoxMethod for IeeeMinMax {
+/// Both planes of each axis, ordered by a minimum and a maximum.
+pub struct MinMax<const IEEE: bool>;
+
+impl<const IEEE: bool> BoxMethod for MinMax<IEEE> {
     type Precalculated<L: Lane> = Inverse<L>;
 
     #[inline(always)]
@@ -194,23 +169,13 @@ impl BoxMethod for IeeeMinMax {
     }
     #[inline(always)]
     fn pass<L: Lane>(ray: &Inverse<L>, lo: Vec3<L>, hi: Vec3<L>) -> (L, L) {
-        // The rule of x86 gives b where a is NaN; this adds a where b is NaN.
-        let number = |b: L, chosen: L, a: L| L::select(b.eq(b), chosen, a);
-        ordered(ray, lo, hi, |a, b| number(b, a.min(b), a), |a, b| number(b, a.max(b), a))
+        // The rule of x86 gives b where a is NaN; that of IEEE 754 also a where b is NaN.
+        let number = |b: L, chosen: L, a: L| if IEEE { L::select(b.eq(b), chosen, a) } else { chosen };
+        let min = |a: L, b: L| number(b, a.min(b), a);
+        let max = |a: L, b: L| number(b, a.max(b), a);
+        let (a, b) = (ray.planes(lo), ray.planes(hi));
+        let near = Vec3::new(min(a.x, b.x), min(a.y, b.y), min(a.z, b.z));
+        let far = Vec3::new(max(a.x, b.x), max(a.y, b.y), max(a.z, b.z));
+        intersect(near, far)
     }
-}
-
-/// The interval, with the planes of each axis ordered by `min` and `max`.
-#[inline(always)]
-fn ordered<L: Lane>(
-    ray: &Inverse<L>,
-    lo: Vec3<L>,
-    hi: Vec3<L>,
-    min: impl Fn(L, L) -> L,
-    max: impl Fn(L, L) -> L,
-) -> (L, L) {
-    let (a, b) = (ray.planes(lo), ray.planes(hi));
-    let near = Vec3::new(min(a.x, b.x), min(a.y, b.y), min(a.z, b.z));
-    let far = Vec3::new(max(a.x, b.x), max(a.y, b.y), max(a.z, b.z));
-    intersect(near, far)
 }

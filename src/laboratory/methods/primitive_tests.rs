@@ -11,8 +11,7 @@ use crate::scene::Scene;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// Builds a renderer, whatever intersection methods its settings name. [`Renderer::new`] has only the robust
-/// ones.
+/// Builds a renderer with any intersection methods. [`Renderer::new`] has only the robust ones.
 pub fn renderer(scene: &Scene, settings: Settings) -> Renderer {
     Renderer::with_tests(scene, settings, tests(&settings.methods, scene))
 }

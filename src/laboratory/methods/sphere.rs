@@ -55,8 +55,7 @@ impl<L: Lane> Scaled<L> {
     }
 }
 
-/// Returns what [`SphereMethod::test`] does of lanes that meet a sphere, whose root is computed only if any
-/// does.
+/// Returns what [`SphereMethod::test`] does. The root is computed only if any lane meets its sphere.
 #[inline(always)]
 fn solve<L: Lane>(meets: L::Mask, root: impl FnOnce() -> L, limit: L) -> (L::Mask, L) {
     if !meets.any() {

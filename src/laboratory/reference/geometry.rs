@@ -1,13 +1,73 @@
-//! Spheres and triangles in double precision: where a ray hits them, the surface at that point, and how
+//! The scene in double precision: where a ray hits spheres and triangles, the surface at that point, and how
 //! accurate single precision is there.
 
 use super::texture;
-use crate::scene::{Scene, Side};
+use crate::scene::{Camera, Material, Scene, Side, Sky};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// Roundings that both kernels stay within; see the sums above.
 const BOUND: f64 = 40.0 / 16_777_216.0;
+
+/// A scene in double precision.
+pub struct Reference {
+    pub(super) camera: Camera,
+    pub(super) sky: Sky,
+    pub(super) materials: Vec<Material>,
+    textures: Vec<texture::Levels>,
+    spheres: Vec<Sphere>,
+    triangles: Vec<Triangle>,
+}
+
+impl Reference {
+    /// Copies the scene. Points are those of its file if it was loaded so ([`Scene::unrounded`]).
+    pub fn new(scene: &Scene) -> Self {
+        let (spheres, triangles) = primitives(scene);
+        Self {
+            camera: scene.camera,
+            sky: scene.sky,
+            materials: scene.materials.clone(),
+            textures: scene.textures.iter().map(texture::Levels::new).collect(),
+            spheres,
+            triangles,
+        }
+    }
+
+    /// The nearest hit with t > 0 of the ray from `origin` along `direction`, which need not have unit
+    /// length. Of equal t, the lower index. Surfaces are hit from both sides.
+    pub fn closest(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        let spheres = self.spheres.iter().map(|sphere| sphere.hit(origin, direction));
+        let triangles = self.triangles.iter().map(|triangle| triangle.hit(origin, direction));
+        let hits = spheres.chain(triangles).zip(0..).filter_map(|(hit, primitive)| {
+            let (t, u, v) = hit?;
+            Some(Hit { primitive, t, u, v })
+        });
+        hits.min_by(|a, b| a.t.total_cmp(&b.t))
+    }
+
+    /// All crossings of a ray, by the numbers of the primitives.
+    pub(super) fn crossings(&self, origin: DVec3, unit: DVec3) -> impl Iterator<Item = (u32, Crossing)> {
+        let spheres = self.spheres.iter().map(move |sphere| sphere.crossings(origin, unit));
+        let triangles = self.triangles.iter().map(move |triangle| triangle.crossings(origin, unit));
+        let all = spheres.chain(triangles).zip(0..);
+        all.flat_map(|(crossings, number)| crossings.into_iter().map(move |crossing| (number, crossing)))
+    }
+
+    /// The primitive of this number: spheres first, in the scene's order, then triangles.
+    pub(super) fn primitive(&self, number: u32) -> Option<&dyn Primitive> {
+        let number = number as usize;
+        match self.spheres.get(number) {
+            Some(sphere) => Some(sphere),
+            None => Some(self.triangles.get(number - self.spheres.len())?),
+        }
+    }
+
+    /// The colour of texture `texture` at `uv` where a path sees `area` of it, white if there is none; see
+    /// [`texture::Levels::lookup`].
+    pub(super) fn lookup(&self, texture: Option<u32>, uv: DVec2, wraps: bool, area: f64) -> DVec3 {
+        texture.map_or(DVec3::ONE, |index| self.textures[index as usize].lookup(uv, wraps, area))
+    }
+}
 
 /// A primitive in double precision.
 pub(super) trait Primitive {
@@ -27,70 +87,32 @@ pub(super) trait Primitive {
     }
 }
 
-/// A primitive of either kind. The loops over a mesh read one list, and no test is called through a pointer.
-pub(super) enum Shape {
-    Sphere(Sphere),
-    Triangle(Triangle),
-}
-
-macro_rules! of_its_kind {
-    ($self:ident.$function:ident($($argument:ident),*)) => {
-        match $self {
-            Self::Sphere(sphere) => sphere.$function($($argument),*),
-            Self::Triangle(triangle) => triangle.$function($($argument),*),
-        }
-    };
-}
-
-impl Primitive for Shape {
-    #[inline(always)]
-    fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
-        of_its_kind!(self.hit(origin, direction))
-    }
-    fn surface(&self, point: DVec3, u: f64, v: f64) -> Surface {
-        of_its_kind!(self.surface(point, u, v))
-    }
-    fn bound(&self, origin: DVec3, unit: DVec3) -> f64 {
-        of_its_kind!(self.bound(origin, unit))
-    }
-    fn distance(&self, point: DVec3) -> f64 {
-        of_its_kind!(self.distance(point))
-    }
-    #[inline(always)]
-    fn crossings(&self, origin: DVec3, unit: DVec3) -> Vec<Crossing> {
-        of_its_kind!(self.crossings(origin, unit))
-    }
-    fn off_ray(&self, origin: DVec3, unit: DVec3, u: f64, v: f64) -> Option<f64> {
-        of_its_kind!(self.off_ray(origin, unit, u, v))
-    }
-}
-
-/// The primitives of a scene by their numbers, as its file has them, or else as the scene does: every
+/// The spheres and triangles of a scene, as its file has them, or else as the scene does: every
 /// single-precision number converts exactly.
-pub(super) fn primitives(scene: &Scene) -> Vec<Shape> {
+pub(super) fn primitives(scene: &Scene) -> (Vec<Sphere>, Vec<Triangle>) {
     let exact = scene.unrounded.as_ref();
     let spheres = scene.spheres.iter().enumerate().map(|(index, sphere)| {
         let rounded = (sphere.center.as_dvec3(), f64::from(sphere.radius));
         let (center, radius) = exact.map_or(rounded, |exact| exact.spheres[index]);
-        Shape::Sphere(Sphere {
+        Sphere {
             center,
             radius,
             turn: f64::from(sphere.texture_turn),
             picture_from: sphere.texture_side,
             material: sphere.material as usize,
-        })
+        }
     });
     let triangles = scene.triangles.iter().enumerate().map(|(index, triangle)| {
         let (uvs, normals) = (scene.uvs.get(index), scene.normals.get(index));
         let rounded = triangle.vertices.map(|vertex| vertex.as_dvec3());
-        Shape::Triangle(Triangle {
+        Triangle {
             vertices: exact.map_or(rounded, |exact| exact.triangles[index]),
             uvs: uvs.map_or([DVec2::ZERO; 3], |uvs| uvs.map(|uv| uv.as_dvec2())),
             normals: normals.map_or([DVec3::ZERO; 3], |normals| normals.map(|n| n.as_dvec3())),
             material: triangle.material as usize,
-        })
+        }
     });
-    spheres.chain(triangles).collect()
+    (spheres.collect(), triangles.collect())
 }
 
 pub(super) struct Sphere {

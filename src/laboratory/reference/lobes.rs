@@ -5,19 +5,24 @@ use crate::scene::MaterialKind;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// The scattered direction, the path's weight, colour included, and whether the lobe is a delta lobe; `None`
-/// where the light is absorbed.
-///
-/// `rougher` multiplies the material's roughness. `number` gives the scattering event's random number of a
-/// dimension.
-pub(super) fn sample(
-    kind: MaterialKind,
-    rougher: f64,
-    color: DVec3,
-    d: DVec3,
-    normals: &Normals,
-    number: impl Fn(u32) -> f64,
-) -> Option<(DVec3, DVec3, bool)> {
+/// What scatters at a hit besides the material.
+#[derive(Clone, Copy)]
+pub(super) struct Event<'a> {
+    /// The direction of the ray that arrives.
+    pub d: DVec3,
+    pub normals: &'a Normals,
+    /// The random number of a dimension.
+    pub number: &'a dyn Fn(u32) -> f64,
+}
+
+/// The scattered direction, the path's weight, colour included, and whether the lobe is a delta lobe.
+type Scattered = (DVec3, DVec3, bool);
+
+/// How the light of an event is scattered; `None` where it is absorbed. `rougher` multiplies the material's
+/// roughness.
+pub(super) fn sample(kind: MaterialKind, rougher: f64, color: DVec3, event: Event) -> Option<Scattered> {
+    let Event { d, normals, number } = event;
+    let alpha = |roughness: f32| (f64::from(roughness) * rougher).powi(2);
     let Normals { ng, ns_specular: n, ns_diffuse, horizon, outside, .. } = *normals;
     let mut is_delta = false;
     let sample = match kind {
@@ -32,7 +37,7 @@ pub(super) fn sample(
             Some((raise(reflect(d, n), ng), 1.0))
         }
         MaterialKind::Metal { roughness } => {
-            let alpha = (f64::from(roughness) * rougher).powi(2);
+            let alpha = alpha(roughness);
             is_delta = alpha < NARROWEST_ALPHA;
             let out = to_local(-d, n);
             let (wi, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
@@ -77,14 +82,12 @@ pub(super) fn sample(
             (w.dot(n) > 0.0).then(|| (raise(w.normalize(), horizon), 1.0))
         }
         MaterialKind::Plastic { roughness, ior } => {
-            let alpha = (f64::from(roughness) * rougher).powi(2);
-            return plastic(color, (alpha, f64::from(ior)), d, normals, number);
+            return plastic(color, (alpha(roughness), f64::from(ior)), event);
         }
         MaterialKind::MetalRough { roughness, metallic, ior } => {
             let ior = f64::from(ior);
-            let alpha = (f64::from(roughness) * rougher).powi(2);
             let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
-            return metal_rough(color, [alpha, f0, f64::from(metallic)], d, normals, number);
+            return metal_rough(color, [alpha(roughness), f0, f64::from(metallic)], event);
         }
     };
     sample.map(|(towards, weight)| (towards, color * weight, is_delta))
@@ -188,42 +191,23 @@ fn transmitted(ior: f64) -> f64 {
 }
 
 /// A GGX coat over a Lambert base: the equations at the head of `kernel/bsdf/plastic.rs`.
-fn plastic(
-    color: DVec3,
-    (alpha, ior): (f64, f64),
-    d: DVec3,
-    normals: &Normals,
-    number: impl Fn(u32) -> f64,
-) -> Option<(DVec3, DVec3, bool)> {
+fn plastic(color: DVec3, (alpha, ior): (f64, f64), event: Event) -> Option<Scattered> {
     let transmitted = transmitted(ior);
     let base = color / ((DVec3::ONE - color) * ior * ior + color * transmitted);
-    let cos_o = -d.dot(normals.ns_specular);
+    let cos_o = -event.d.dot(event.normals.ns_specular);
     let (white, facet_cosine) = if alpha < NARROWEST_ALPHA { (1.0, cos_o) } else { albedo(cos_o, alpha) };
     let entered = 1.0 - white * reflected(ior, facet_cosine);
     let brightest = base.max_element() * transmitted * entered;
     let on_coat = (1.0 - entered) / (1.0 - entered + brightest);
     let fresnel = |cos: f64| DVec3::splat(reflected(ior, cos));
-    ggx_over_lambert(
-        d,
-        normals,
-        alpha,
-        on_coat,
-        fresnel,
-        |cos| base * entered * (1.0 - reflected(ior, cos)),
-        number,
-    )
+    let lambert = |cos: f64| base * entered * (1.0 - reflected(ior, cos));
+    ggx_over_lambert(event, alpha, on_coat, fresnel, lambert)
 }
 
 /// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs`.
-fn metal_rough(
-    color: DVec3,
-    [alpha, f0, metallic]: [f64; 3],
-    d: DVec3,
-    normals: &Normals,
-    number: impl Fn(u32) -> f64,
-) -> Option<(DVec3, DVec3, bool)> {
+fn metal_rough(color: DVec3, [alpha, f0, metallic]: [f64; 3], event: Event) -> Option<Scattered> {
     let normal = DVec3::splat((1.0 - metallic) * f0) + color * metallic;
-    let (white, facet_cosine) = albedo(-d.dot(normals.ns_specular), alpha);
+    let (white, facet_cosine) = albedo(-event.d.dot(event.normals.ns_specular), alpha);
     let grazing = white * (1.0 - facet_cosine).max(0.0).powi(5);
     let reflected = |f0: f64| (f0 * white + (1.0 - f0) * grazing) / (1.0 - f0 * (1.0 - white));
     let fresnel = |cos: f64| {
@@ -234,7 +218,7 @@ fn metal_rough(
     let base = color * (1.0 - metallic) * (1.0 - reflected(f0)).max(0.0);
     let (specular, diffuse) = (reflected(normal.max_element()), base.max_element());
     let on_specular = specular / (specular + diffuse).max(1e-300);
-    ggx_over_lambert(d, normals, alpha, on_specular, fresnel, |_| base, number)
+    ggx_over_lambert(event, alpha, on_specular, fresnel, |_| base)
 }
 
 /// E of white GGX at a cosine and the mean cosine at its facets: the fits of the model, at the head of
@@ -260,14 +244,12 @@ fn albedo(cos: f64, a: f64) -> (f64, f64) {
 /// `on_specular`, over a Lambert base of the reflectance `base` at the cosine of the sampled direction: the
 /// sum, divided by the pdf with which the estimator samples.
 fn ggx_over_lambert(
-    d: DVec3,
-    normals: &Normals,
+    Event { d, normals, number }: Event,
     alpha: f64,
     on_specular: f64,
     fresnel: impl Fn(f64) -> DVec3,
     base: impl Fn(f64) -> DVec3,
-    number: impl Fn(u32) -> f64,
-) -> Option<(DVec3, DVec3, bool)> {
+) -> Option<Scattered> {
     let Normals { ng, ns_specular: n, ns_diffuse, horizon, .. } = *normals;
     let (smooth, out) = (alpha < NARROWEST_ALPHA, to_local(-d, n));
     let towards = if number(LOBE) < on_specular {

@@ -33,8 +33,7 @@
 //! before by *Russian roulette*. `octray inspect SCENE --pixel X,Y` prints a path, of this file and of the
 //! engine, on the same random numbers.
 
-use super::geometry::{Primitive, Surface};
-use super::scene::Reference;
+use super::geometry::{Reference, Surface};
 use super::{lobes, texture};
 use crate::path_vertex::{PathVertex, lobe};
 use crate::sampling::dimension::{PIXEL, bounce};
@@ -110,7 +109,7 @@ impl Reference {
                 break;
             };
             // 3. The surface and its material.
-            let primitive = &self.primitives[hit.primitive as usize];
+            let primitive = self.primitive(hit.primitive).expect("the primitive that was hit");
             let surface = primitive.surface(origin + direction * hit.t, hit.u, hit.v);
             let material = &self.materials[surface.material];
             let cosine = -direction.dot(surface.ng);
@@ -139,7 +138,8 @@ impl Reference {
             }
             // 5. The scattered ray.
             let color = material.color.as_dvec3() * texel;
-            let sample = lobes::sample(kind, roughness, color, direction, &normals, numbers(bounce(b)));
+            let event = lobes::Event { d: direction, normals: &normals, number: &numbers(bounce(b)) };
+            let sample = lobes::sample(kind, roughness, color, event);
             let sample = sample.filter(|(_, weight, _)| throughput * *weight != DVec3::ZERO);
             let Some((scattered, weight, is_delta)) = sample else {
                 break;

@@ -1,5 +1,4 @@
-//! Texture lookup: at a point of the unit square, columns from the left, rows from the top; and levels of
-//! detail.
+//! Texture lookup at a point of the unit square, columns from the left, rows from the top; levels of detail.
 
 use crate::scene::{Filter, Side, Texels, Texture};
 use glam::{DVec2, DVec3};

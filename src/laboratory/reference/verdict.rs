@@ -58,8 +58,7 @@
 //! Roundings seldom all add up: of 2·10⁵ random rays the worst stays below a tenth of these sums
 //! (`rounding_of_a_good_kernel_is_right` also passes with 4 for 40, and fails with 2).
 
-use super::geometry::{Crossing, Primitive};
-use super::scene::Reference;
+use super::geometry::{Crossing, Reference};
 use glam::DVec3;
 
 /// Largest excess of a weight beyond [0, 1].
@@ -126,20 +125,21 @@ impl Reference {
             }
             t_max = f64::from(t) * length;
             let point = origin + unit * t_max;
-            let Some(primitive) = self.primitives.get(primitive as usize) else { return Verdict::Invalid };
+            let Some(primitive) = self.primitive(primitive) else { return Verdict::Invalid };
             let (distance, bound) = (primitive.distance(point), primitive.bound(origin, unit));
             if distance > bound {
                 return Verdict::OffSurface { distance, bound };
             }
         }
-        for (number, primitive) in self.primitives.iter().enumerate() {
-            for Crossing { distance, slack } in primitive.crossings(origin, unit) {
-                if distance > slack && distance + slack < t_max {
-                    return Verdict::Overlooked { primitive: number as u32, distance, slack };
-                }
+        let is_in_front = |&(_, Crossing { distance, slack }): &(u32, Crossing)| {
+            distance > slack && distance + slack < t_max
+        };
+        match self.crossings(origin, unit).find(is_in_front) {
+            Some((primitive, Crossing { distance, slack })) => {
+                Verdict::Overlooked { primitive, distance, slack }
             }
+            None => Verdict::Right,
         }
-        Verdict::Right
     }
 
     /// Checks the barycentric weights of the second and third vertex in a hit of `primitive`: their point
@@ -155,7 +155,7 @@ impl Reference {
         let origin = DVec3::from_array(origin.map(f64::from));
         let unit = DVec3::from_array(direction.map(f64::from)).normalize();
         let (u, v) = (f64::from(u), f64::from(v));
-        let Some(primitive) = self.primitives.get(primitive as usize) else { return Verdict::Right };
+        let Some(primitive) = self.primitive(primitive) else { return Verdict::Right };
         let Some(distance) = primitive.off_ray(origin, unit, u, v) else { return Verdict::Right };
         // Written so that a NaN is invalid.
         if !([u, v, 1.0 - u - v].into_iter().all(|weight| weight >= -WEIGHT_BOUND) && unit.is_finite()) {

@@ -137,10 +137,8 @@ impl<'a> Accessors<'a> {
         let size = layout.size();
         let stride = view.byte_stride.map_or(size, |stride| stride.0);
         if stride < size {
-            return Err(broken(
-                place,
-                format!("its elements of {size} bytes overlap: one begins every {stride} bytes"),
-            ));
+            let what = format!("its elements of {size} bytes overlap: one begins every {stride} bytes");
+            return Err(broken(place, what));
         }
         // The last element may be shorter than the stride.
         let needed = match count {

@@ -31,8 +31,7 @@ pub fn note_ignored(source: &Source, own: bool, notes: &mut Notes) {
     visit(&source.root(), &root, notes);
 }
 
-/// Visits the extensions of a value's parts, and then those of the value: the places of parts are more
-/// precise.
+/// Visits the extensions of a value's parts, whose places are more precise, and then those of the value.
 fn visit(place: &JsonPath, value: &Value, notes: &mut Notes) {
     let is_other = |(key, _): &(&String, &Value)| *key != "extensions" && *key != "extras";
     match value {

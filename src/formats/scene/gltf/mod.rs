@@ -93,13 +93,10 @@ impl Gltf {
         let mut meshes: HashMap<usize, Vec<(Added, Geometry)>> = HashMap::new();
         let mut triangles = 0;
         for &(mesh, _) in &self.nodes.meshes {
-            let parts = match meshes.entry(mesh) {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(new) => {
-                    new.insert(self.parts(mesh, material, &mut accessors, &mut materials, builder)?)
-                }
-            };
-            triangles += parts.iter().map(|(_, geometry)| geometry.triangles()).sum::<usize>();
+            if let Entry::Vacant(new) = meshes.entry(mesh) {
+                new.insert(self.parts(mesh, material, &mut accessors, &mut materials, builder)?);
+            }
+            triangles += meshes[&mesh].iter().map(|(_, geometry)| geometry.triangles()).sum::<usize>();
             if triangles > MAX_COPIES {
                 let what = format!("the model holds more than {MAX_COPIES} triangles, copies counted");
                 let mend = "show the mesh on fewer nodes, or simplify it";

@@ -78,11 +78,8 @@ fn local(node: &Node) -> DMat4 {
         true => DQuat::from_xyzw(x / length, y / length, z / length, w / length),
         false => DQuat::IDENTITY,
     };
-    DMat4::from_scale_rotation_translation(
-        node.scale.map_or(DVec3::ONE, DVec3::from),
-        rotation,
-        node.translation.map_or(DVec3::ZERO, DVec3::from),
-    )
+    let scale = node.scale.map_or(DVec3::ONE, DVec3::from);
+    DMat4::from_scale_rotation_translation(scale, rotation, node.translation.unwrap_or_default().into())
 }
 
 /// Notes the parts of the file's nodes that are left out.
@@ -99,9 +96,7 @@ pub fn note_ignored(document: &Document, placed: &Placed, notes: &mut Notes) {
         notes.add(&place.key("scenes"), "the file has several scenes: only one is shown");
     }
     if root.cameras.len() > 1 {
-        notes.add(
-            &place.key("cameras"),
-            "the file has several cameras: the first one that a node names is used",
-        );
+        let what = "the file has several cameras: the first one that a node names is used";
+        notes.add(&place.key("cameras"), what);
     }
 }

@@ -163,8 +163,7 @@ fn finite(uv: [f64; 2]) -> Vec2 {
     uv.map(|x| if is_within_bounds(x) { x as f32 } else { 0.0 }).into()
 }
 
-/// Reads the faces of a file, or the triangles of its strips. `uvs` receives the texture coordinates of
-/// corners.
+/// Reads the faces of a file, or the triangles of its strips, and the corners' texture coordinates (`uvs`).
 fn read_faces(
     mesh: &mut Mesh,
     uvs: &mut Vec<(usize, Vec2)>,

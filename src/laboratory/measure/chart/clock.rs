@@ -3,7 +3,6 @@
 use crate::measure::cores::{Reliability, on_own_cores};
 use crate::measure::quantiles::{Quantiles, Spread};
 use serde::Serialize;
-use std::time::Instant;
 
 /// A clock by which work on one thread is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -25,12 +24,7 @@ pub(crate) struct Times(Vec<[f64; 2]>);
 /// Times work on the calling thread, pinned to a core, by both clocks; the wall's alone where the system has
 /// no other.
 pub(crate) fn time(work: impl FnOnce()) -> [f64; 2] {
-    let timed = || {
-        let start = Instant::now();
-        work();
-        start.elapsed().as_secs_f64()
-    };
-    let (wall, others) = on_own_cores(1, timed);
+    let ((), wall, others) = on_own_cores(1, work);
     [wall, wall * (1.0 - others.taken.unwrap_or(0.0))]
 }
 

@@ -1,7 +1,6 @@
 //! The configurations of the renderer that a chart compares.
 //!
-//! Each differs from the default in one setting, so that the chart shows the cost and the benefit of that
-//! setting.
+//! Each differs from the default in one setting, whose cost and benefit the chart shows.
 
 use crate::buffers::Features;
 use crate::lane::WIDTHS;
@@ -124,8 +123,7 @@ impl Group {
 /// Largest cost of testing every primitive that is charted, in sphere tests as `list_cost` counts.
 const MOST_LINEAR: usize = 4_000;
 
-/// Returns the configurations that can differ on this scene, the default first. `settings` are those of the
-/// default.
+/// Returns the configurations that can differ on this scene, first the default, which has these settings.
 pub fn of_scene(scene: &Scene, settings: Settings) -> Vec<Configuration> {
     let default = Configuration { name: DEFAULT, settings, levels_of_detail: false, adaptive: false };
     let first_sample = |renderer: &Renderer| {

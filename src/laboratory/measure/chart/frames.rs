@@ -1,5 +1,4 @@
-//! The interactive view: frames per second on all cores, and the error of the accumulated picture after a
-//! given time.
+//! The interactive view: frames per second on all cores, and the error of the picture after a given time.
 
 use super::configurations::Configuration;
 use super::ground_truth::GroundTruth;

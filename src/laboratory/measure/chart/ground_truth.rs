@@ -135,16 +135,7 @@ impl GroundTruth {
     pub(crate) fn small_samples(&self) -> u32 {
         self.info.samples * SHRINK * SHRINK
     }
-}
 
-/// Returns the root mean square error of a picture without the part of the ground truth's own error; the two
-/// are independent, so their squares add up. NaN where the ground truth's is larger: the picture's error is
-/// then unknown, but smaller.
-pub(crate) fn corrected(rmse: f64, of_ground_truth: f64) -> f64 {
-    (rmse * rmse - of_ground_truth * of_ground_truth).sqrt()
-}
-
-impl GroundTruth {
     /// Returns the errors of several pictures against this frame, each corrected; `None` where one is below
     /// the frame's own.
     pub(crate) fn corrected_rmse(&self, rmse: impl IntoIterator<Item = f64>) -> Option<Spread> {
@@ -152,6 +143,13 @@ impl GroundTruth {
         let corrected: Vec<f64> = rmse.into_iter().map(|rmse| corrected(rmse, own)).collect();
         corrected.iter().all(|&error| error >= own).then(|| Spread::of(corrected))
     }
+}
+
+/// Returns the root mean square error of a picture without the part of the ground truth's own error; the two
+/// are independent, so their squares add up. NaN where the ground truth's is larger: the picture's error is
+/// then unknown, but smaller.
+pub(crate) fn corrected(rmse: f64, of_ground_truth: f64) -> f64 {
+    (rmse * rmse - of_ground_truth * of_ground_truth).sqrt()
 }
 
 fn mean(a: &Picture, b: &Picture) -> Picture {

@@ -5,11 +5,9 @@ use crate::lane::{Lane, NATIVE_WIDTH, Native};
 use crate::measure::cores::Reliability;
 use crate::measure::kernel_set::{self as set, Found};
 use crate::measure::quantiles::Rounds;
-use crate::measure::stability::methods::{Method, box_methods, sphere_methods, triangle_methods};
-use crate::measure::stability::{Effort, test_case};
-use crate::methods::BoxMethod;
-use crate::methods::SphereMethod;
-use crate::methods::TriangleMethod;
+use crate::measure::stability::methods::{Method, all_methods};
+use crate::measure::stability::{Effort, Point, test_case};
+use crate::methods::{BoxMethod, SphereMethod, TriangleMethod};
 use serde::Serialize;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -57,26 +55,6 @@ pub struct CaseAt {
     pub place: f64,
 }
 
-/// A family of methods, and the test cases on which its methods differ most.
-struct Family {
-    name: &'static str,
-    error: Option<CaseAt>,
-    failure: CaseAt,
-}
-
-const SPHERES: Family = Family {
-    name: "sphere",
-    error: Some(CaseAt { test_case: "spheres-far", place: 1e3 }),
-    failure: CaseAt { test_case: "spheres-far", place: 1e3 },
-};
-const TRIANGLES: Family = Family {
-    name: "triangle",
-    error: Some(CaseAt { test_case: "triangles-slivers", place: 1e4 }),
-    failure: CaseAt { test_case: "mesh-edges", place: 1.0 },
-};
-const BOXES: Family =
-    Family { name: "box", error: None, failure: CaseAt { test_case: "boxes-corners", place: 1.0 } };
-
 /// All rays against all primitives, once.
 type Work = Box<dyn Fn() -> Found>;
 /// The work of one method at a width.
@@ -100,10 +78,8 @@ work!(boxes, BoxMethod, set::boxes(), all_boxes);
 
 /// A kernel while it is timed.
 struct TimedKernel {
-    family: &'static Family,
-    method: &'static str,
-    default: bool,
-    lanes: usize,
+    /// All but its times.
+    kernel: Kernel,
     work: Work,
     /// Nanoseconds per test, by turn.
     turns: Times,
@@ -118,27 +94,33 @@ pub const EFFORT: Effort = Effort(0.25);
 /// until `end`, at least three each.
 pub fn measure(end: Instant) -> Vec<Kernel> {
     let mut all = Vec::new();
-    let mut add = |family, methods: &[Method<WorkOf>]| {
+    let case = |test_case, place| CaseAt { test_case, place };
+    let mut add = |family, error_case: Option<CaseAt>, failure_case: CaseAt, methods: &[Method<WorkOf>]| {
         for lanes in [NATIVE_WIDTH, 1] {
-            all.extend(methods.iter().map(|&Method { name: method, default, run }| TimedKernel {
-                family,
-                method,
-                default,
-                lanes,
-                work: run(lanes),
-                turns: Times::default(),
-            }));
+            for &Method { name: method, default, run } in methods {
+                let p99 = error_case.and_then(|case| at(case, method).p99);
+                let failures = at(failure_case, method).rate();
+                let untimed = Kernel { p99, failures, error_case, failure_case, ..Kernel::default() };
+                let kernel = Kernel { family, method, default, lanes, ..untimed };
+                all.push(TimedKernel { kernel, work: run(lanes), turns: Times::default() });
+            }
         }
     };
-    add(&SPHERES, &sphere_methods!(spheres));
-    add(&TRIANGLES, &triangle_methods!(triangles));
-    add(&BOXES, &box_methods!(boxes));
-    let errors: Vec<_> = all.iter().map(errors).collect();
+    let (far, slivers) = (case("spheres-far", 1e3), case("triangles-slivers", 1e4));
+    add("sphere", Some(far), far, &all_methods!(sphere, spheres));
+    add("triangle", Some(slivers), case("mesh-edges", 1.0), &all_methods!(triangle, triangles));
+    add("box", None, case("boxes-corners", 1.0), &all_methods!(box, boxes));
     for _ in Rounds::until(end, 3, usize::MAX) {
         all.iter_mut().for_each(TimedKernel::turn);
     }
     let clock = Clock::of(all.iter().map(|timed| &timed.turns));
-    all.iter().zip(errors).map(|(timed, errors)| timed.kernel(clock, errors)).collect()
+    all.into_iter().map(|timed| timed.kernel(clock)).collect()
+}
+
+/// Runs a method at a place of the test case, which has every method of the family.
+fn at(CaseAt { test_case: name, place }: CaseAt, method: &str) -> Point {
+    let test_case = test_case(name).expect("the test case that the family names");
+    test_case.at(test_case.method(method).expect("a method of the family"), place, EFFORT)
 }
 
 impl TimedKernel {
@@ -156,35 +138,17 @@ impl TimedKernel {
         self.turns.push(seconds.map(|seconds| seconds * 1e9 / (rounds * set::TESTS) as f64));
     }
 
-    fn kernel(&self, clock: Clock, (p99, failures): (Option<f64>, f64)) -> Kernel {
+    fn kernel(self, clock: Clock) -> Kernel {
         let turns = self.turns.spread(clock);
         Kernel {
-            family: self.family.name,
-            method: self.method,
-            default: self.default,
-            lanes: self.lanes,
             ns: turns.median,
             ns_spread: [turns.p10, turns.p90],
             wall_ns: self.turns.spread(Clock::Wall).median,
             processor_ns: self.turns.spread(Clock::Processor).median,
             reliability: self.turns.reliability(clock, true),
-            p99,
-            failures,
-            error_case: self.family.error,
-            failure_case: self.family.failure,
+            ..self.kernel
         }
     }
-}
-
-/// Returns the 99th percentile of the error, and the share of failures, from the family's test cases.
-fn errors(timed: &TimedKernel) -> (Option<f64>, f64) {
-    let at = |case: CaseAt| {
-        let test_case = test_case(case.test_case).expect("the test case that the family names");
-        let method = test_case.method(timed.method).expect("the test case has every method of the family");
-        test_case.at(method, case.place, EFFORT)
-    };
-    let failure = at(timed.family.failure);
-    (timed.family.error.and_then(|case| at(case).p99), failure.rate())
 }
 
 impl Kernel {
@@ -238,14 +202,7 @@ mod tests {
             std::thread::sleep(slept);
             Found { hits: 0, distance: 0.0 }
         });
-        let mut timed = TimedKernel {
-            family: &BOXES,
-            method: "sleep",
-            default: false,
-            lanes: 8,
-            work,
-            turns: Times::default(),
-        };
+        let mut timed = TimedKernel { kernel: Kernel::default(), work, turns: Times::default() };
         let start = Instant::now();
         timed.turn();
         // `sleep` takes at least its time, and sometimes far more.

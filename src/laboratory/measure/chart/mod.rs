@@ -46,8 +46,7 @@ pub struct SceneChart {
     pub motion: Vec<motion::MotionResult>,
 }
 
-/// Ends of the steps as shares of a scene's time: ground truth, pictures, frames, display. Motion has the
-/// rest.
+/// Ends of the steps as shares of a scene's time. Motion has the rest.
 const GROUND_TRUTH_SHARE: f64 = 0.25;
 const PICTURES_SHARE: f64 = 0.55;
 const FRAMES_SHARE: f64 = 0.67;
@@ -98,7 +97,8 @@ impl Plan {
         let configurations = configurations::of_scene(scene, default);
         step("pictures");
         let end = self.at(PICTURES_SHARE);
-        let (clock, pictures) = pictures::measure(scene, &configurations, ground_truth, self.seeds, end);
+        let runs = pictures::runs(scene, &configurations, ground_truth, self.seeds, end);
+        let (clock, pictures) = pictures::lines(&runs);
         step("frames");
         let in_frames: Vec<Configuration> =
             configurations.into_iter().filter(|one| IN_FRAMES.contains(&one.name)).collect();

@@ -4,7 +4,7 @@
 //! The camera moves sideways and forwards at walking speed, and turns, at 60 frames per second: `FRAMES`
 //! frames with a seed each. Four frames of the second half are compared with their own ground truths.
 
-use super::ground_truth::{GroundTruth, GroundTruthRenderer};
+use super::ground_truth::GroundTruthRenderer;
 use crate::display::{Denoiser, History, Samples, walking_speed};
 use crate::film::Picture;
 use crate::integrate::aovs::Aovs;
@@ -104,6 +104,7 @@ pub struct MotionResult {
 }
 
 /// The frames of a camera path: times by frame, and the compared pictures by filter, with their cameras.
+#[derive(Default)]
 struct PathFrames {
     frame_ms: Vec<f64>,
     filter_ms: [Vec<f64>; 3],
@@ -146,15 +147,13 @@ pub(crate) fn measure(
             let now = Instant::now();
             let share = end.saturating_duration_since(now) / left;
             left -= 1;
-            let ground_truth: GroundTruth =
+            let ground_truth =
                 truth_renderer.render_until(now + share, most_ground_truth_samples, Duration::ZERO);
             for (squares, picture) in squares.iter_mut().zip(pictures) {
                 // Unbiased at any noise of the ground truth: with its independent halves a and b, this is the
                 // mean of (x − a)(x − b).
-                squares.push(
-                    Errors::of(picture, &ground_truth.frame).rmse.powi(2)
-                        - ground_truth.info.frame_rmse.powi(2),
-                );
+                let rmse = Errors::of(picture, &ground_truth.frame).rmse;
+                squares.push(rmse.powi(2) - ground_truth.info.frame_rmse.powi(2));
             }
         }
         squares.map(|squares| root_if_known(&squares))
@@ -197,8 +196,7 @@ fn render_path(
     let (mut film, mut fresh, mut aovs) = (renderer.film(), Picture::default(), Aovs::default());
     let (mut history, mut denoiser) = (History::default(), Denoiser::default());
     let mut denoiser_aovs = DenoiserAovs::default();
-    let (filter_ms, turns) = ([const { Vec::new() }; 3], Vec::new());
-    let mut taken = PathFrames { frame_ms: Vec::new(), filter_ms, turns, compared: Vec::new() };
+    let mut taken = PathFrames::default();
     let compared: Vec<u32> =
         (0..COMPARED).map(|i| frames / 2 + (2 * i + 1) * frames / (4 * COMPARED)).collect();
     for frame in 0..frames {

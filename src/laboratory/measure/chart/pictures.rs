@@ -104,7 +104,7 @@ struct Level {
 }
 
 /// A configuration while it is measured.
-struct Run<'a> {
+pub(super) struct Run<'a> {
     configuration: &'a Configuration,
     renderer: Renderer,
     /// One per seed, with its seconds on the wall and of processor time.
@@ -119,18 +119,7 @@ struct Run<'a> {
 }
 
 /// Measures all configurations until `end`; at least one level of each. `seeds` of them, numbered from 1.
-/// Returns the clock that decides, too.
-pub(crate) fn measure(
-    scene: &Scene,
-    configurations: &[Configuration],
-    ground_truth: &GroundTruth,
-    seeds: u32,
-    end: Instant,
-) -> (Clock, Vec<Line>) {
-    lines(&runs(scene, configurations, ground_truth, seeds, end))
-}
-
-fn runs<'a>(
+pub(super) fn runs<'a>(
     scene: &Scene,
     configurations: &'a [Configuration],
     ground_truth: &GroundTruth,
@@ -164,15 +153,14 @@ impl<'a> Run<'a> {
         let resolution = [ground_truth.small.width, ground_truth.small.height];
         let renderer = configuration.renderer(scene, resolution, 1);
         let films = (0..seeds).map(|_| (renderer.film(), [0.0; 2])).collect();
-        let [level_time, spent] = [Duration::ZERO; 2];
         Self {
             configuration,
             renderer,
             films,
             levels: Vec::new(),
             targets: 0,
-            level_time,
-            spent,
+            level_time: Duration::ZERO,
+            spent: Duration::ZERO,
             done: false,
         }
     }
@@ -249,18 +237,18 @@ fn to_target(renderer: &Renderer, target: &Target) -> Film {
 }
 
 /// Returns the clock that decides, and the lines of all runs; the first run is the default.
-fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
+pub(super) fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
     let clock = Clock::of(runs.iter().flat_map(|run| run.levels.iter().map(|level| &level.times)));
     let curves: Vec<ErrorCurve> = runs.iter().map(|run| run.curve(clock)).collect();
     let default = &runs[0];
     let of_default = default.reliability(clock);
     let reliability: Vec<_> = runs.iter().map(|run| run.reliability(clock).worse(&of_default)).collect();
     let line = |(number, run): (usize, &Run)| {
-        let others = curves.iter().enumerate().filter(|(other, _)| *other != number);
-        let others = others
-            .filter(|(other, _)| runs[*other].configuration.is_robust() && reliability[*other].reliable);
-        let others: Vec<(&str, &ErrorCurve)> =
-            others.map(|(other, curve)| (runs[other].name(), curve)).collect();
+        let counts = |other: usize| {
+            other != number && runs[other].configuration.is_robust() && reliability[other].reliable
+        };
+        let others = (0..runs.len()).filter(|&other| counts(other));
+        let others: Vec<_> = others.map(|other| (runs[other].configuration.name, &curves[other])).collect();
         let curve = &curves[number];
         let point = |(at, level): (usize, &Level)| {
             let spread = |of: fn(&Errors) -> f64| Spread::of(level.errors.iter().map(of));
@@ -281,8 +269,8 @@ fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
             levels.flat_map(|(a, b)| a.hashes.iter().zip(&b.hashes)).filter(|(a, b)| a != b).count()
         };
         Line {
-            configuration: run.name(),
-            group: Group::of(run.name()),
+            configuration: run.configuration.name,
+            group: Group::of(run.configuration.name),
             robust: run.configuration.is_robust(),
             points: run.levels.iter().enumerate().map(point).collect(),
             pictures_unlike_default: run.configuration.has_same_bits().then(unlike),
@@ -295,10 +283,6 @@ fn lines(runs: &[Run]) -> (Clock, Vec<Line>) {
 }
 
 impl Run<'_> {
-    fn name(&self) -> &'static str {
-        self.configuration.name
-    }
-
     fn curve(&self, clock: Clock) -> ErrorCurve {
         let rmse = |level: &Level| level.errors.iter().map(|errors| errors.rmse).collect();
         ErrorCurve::new(self.levels.iter().map(|level| (level.times.by(clock), rmse(level))))
@@ -314,8 +298,7 @@ impl Run<'_> {
 mod tests {
     use super::super::ground_truth::GroundTruthRenderer;
     use super::*;
-    use crate::render::Settings;
-    use crate::render::SphereChoice;
+    use crate::render::{Settings, SphereChoice};
 
     /// Returns the lines of a slow and of a fast configuration that give one picture, with doctored times:
     /// `times(seconds)` are those of the three seeds. The fast one is robust or not.

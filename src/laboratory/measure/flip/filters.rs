@@ -6,31 +6,28 @@
 #[derive(Clone, Debug)]
 pub struct Kernel(Vec<f32>);
 
+/// Returns `weight(x)` at the integers x within `radius`.
+fn sampled(radius: usize, weight: impl Fn(f64) -> f64) -> Vec<f64> {
+    let radius = radius as i32;
+    (-radius..=radius).map(|x| weight(f64::from(x))).collect()
+}
+
 impl Kernel {
-    /// Builds a kernel of `weight(x)` at the integers x within `radius`, times `scale(weight, sum of
-    /// weights)`.
-    fn new(radius: usize, weight: impl Fn(f64) -> f64, scale: impl Fn(f64, f64) -> f64) -> Self {
-        let radius = radius as i32;
-        let weights: Vec<f64> = (-radius..=radius).map(|x| weight(f64::from(x))).collect();
-        let sum: f64 = weights.iter().sum();
-        let scaled = weights.iter().map(|&weight| (weight * scale(weight, sum)) as f32);
-        Self(scaled.collect())
-    }
-    /// Builds a kernel whose weights sum to 1, without the ends that are below f32's resolution of the middle
-    /// one.
+    /// Builds a kernel whose weights sum to 1, without ends below f32's resolution of the middle one.
     pub fn blur(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
         let (middle, resolution) = (weight(0.0), f64::from(f32::EPSILON) / 16.0);
         let needed = (0..=radius).rev().find(|&x| weight(x as f64) > middle * resolution);
-        Self::new(needed.unwrap_or(0), weight, |_, sum| 1.0 / sum)
+        let weights = sampled(needed.unwrap_or(0), weight);
+        let scale = 1.0 / weights.iter().sum::<f64>();
+        Self(weights.into_iter().map(|weight| (weight * scale) as f32).collect())
     }
     /// Builds a kernel whose positive weights sum to 1 and whose negative ones sum to −1.
     pub fn difference(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
-        let sums = |sign: f64| -> f64 {
-            let radius = radius as i32;
-            (-radius..=radius).map(|x| (sign * weight(f64::from(x))).max(0.0)).sum()
-        };
-        let (positive, negative) = (sums(1.0), sums(-1.0));
-        Self::new(radius, weight, |weight, _| 1.0 / if weight > 0.0 { positive } else { negative })
+        let weights = sampled(radius, weight);
+        let scale = |sign: f64| 1.0 / weights.iter().map(|weight| (sign * weight).max(0.0)).sum::<f64>();
+        let [positive, negative] = [1.0, -1.0].map(scale);
+        let scaled = |&weight: &f64| weight * if weight > 0.0 { positive } else { negative };
+        Self(weights.iter().map(|weight| scaled(weight) as f32).collect())
     }
     fn radius(&self) -> usize {
         self.0.len() / 2

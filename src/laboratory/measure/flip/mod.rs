@@ -190,8 +190,7 @@ fn opponents(bytes: &[u8]) -> [Vec<f32>; 3] {
     channels
 }
 
-/// Converts blurred opponent colours to L*a*b* with the Hunt effect. Colours outside the screen's gamut are
-/// clamped.
+/// Converts blurred opponent colours, clamped to the screen's gamut, to L*a*b* with the Hunt effect.
 fn perceived([luminance, red_green, blue_yellow]: [f32; 3]) -> Vec3 {
     let xyz = Vec3::new(luminance + red_green, luminance, luminance - blue_yellow);
     hunt(*FROM_RGB * (*TO_RGB * xyz).clamp(Vec3::ZERO, Vec3::ONE))

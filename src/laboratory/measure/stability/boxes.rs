@@ -1,12 +1,11 @@
-//! Boxes: corners and edges, planes of faces, far from the origin, all scales; and false hits beside padded
-//! boxes.
+//! Boxes: corners, edges, planes of faces, far from the origin, all scales; false hits beside padded boxes.
 //!
 //! Source: Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 
-use super::methods::box_methods;
+use super::methods::all_methods;
 use super::rays::{ray, to_f64, towards};
 use super::rng::Rng;
-use super::test_case::{Bound, FAILED, FailureCounts, TestCase, trials};
+use super::test_case::{Bound, Case, FAILED, FailureCounts, TestCase, trials};
 use crate::kernel::ray_box::Padding;
 use crate::math::{self, Ray};
 use crate::methods::BoxMethod;
@@ -15,8 +14,12 @@ use glam::{DVec3, Vec3};
 const IZE: &str = "Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013";
 
 pub(super) fn test_cases() -> Vec<TestCase> {
-    let common =
-        || TestCase { failure: "a ray that hits the box misses it", source: IZE, ..TestCase::COMMON };
+    let common = |case: Case<Entry>| TestCase {
+        failure: "a ray that hits the box misses it",
+        source: IZE,
+        methods: trials(case, &all_methods!(box, entry)),
+        ..TestCase::COMMON
+    };
     vec![
         TestCase {
             name: "boxes-corners",
@@ -24,24 +27,21 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             axis: "distance of the box from the origin / its size",
             places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6],
             error: Some("|Δt| of the entry point / t"),
-            methods: trials(at_corners, &box_methods!(entry)),
-            ..common()
+            ..common(at_corners)
         },
         TestCase {
             name: "boxes-faces",
             title: "Rays that start in the plane of a face and run along it",
             axis: "component of the direction across the face",
             places: &[0.0, 1e-44, 1e-39, 1e-30, 1e-20, 1e-17, 1e-12, 1e-8, 1e-6, 1e-4],
-            methods: trials(along_faces, &box_methods!(entry)),
-            ..common()
+            ..common(along_faces)
         },
         TestCase {
             name: "boxes-scale",
             title: "Boxes of all sizes, also flat ones, and directions close to an axis",
             axis: "size of the scene",
             places: &SCALES,
-            methods: trials(at_scale, &box_methods!(entry)),
-            ..common()
+            ..common(at_scale)
         },
         TestCase {
             name: "boxes-beside",
@@ -51,9 +51,8 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             failure: "a ray that misses the box hits it",
             source: "this program",
             inputs: 50_000,
-            methods: trials(beside, &box_methods!(entry)),
             bound: |off| if off < 2.0 { Bound::NONE } else { Bound::NO_FAILURE },
-            ..common()
+            ..common(beside)
         },
     ]
 }
@@ -210,8 +209,7 @@ fn at_corners(rng: &mut Rng, offset: f64, counts: &mut FailureCounts, entry: Ent
     }
 }
 
-/// Tries rays along lower and upper faces of all axes, with a direction whose component across the face is
-/// ±`across`.
+/// Tries rays along lower and upper faces of all axes, with the component ±`across` across the face.
 fn along_faces(rng: &mut Rng, across: f64, counts: &mut FailureCounts, entry: Entry) {
     let center = rng.in_cube();
     let (cuboid, half) = around(rng, center);

@@ -8,8 +8,7 @@ use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare}
 use super::triangles;
 use crate::camera::Pinhole;
 use crate::math::MISS;
-use crate::methods::Robust;
-use crate::methods::Woop;
+use crate::methods::{Robust, Woop};
 use crate::reference::{Reference, Verdict};
 use crate::render::{Methods, PrimaryHit};
 use crate::scene::{Camera, Scene};
@@ -79,8 +78,7 @@ fn frame(camera: &Camera) -> ([f32; 2], [glam::Vec3; 3], [f32; 2]) {
     ([width, height], [forward, right, up], [half_height * width / height, half_height])
 }
 
-/// Computes the direction as Ray Tracing in One Weekend does: the picture's corner and the point are world
-/// positions.
+/// Computes the direction as Ray Tracing in One Weekend does: corner and point are world positions.
 fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
     let corner = camera.position + forward - right * half_width + up * half_height;

@@ -1,7 +1,7 @@
 //! Light sampling: emitters that are small, near, around the lit point, or seen edge-on.
 
 use super::rng::Rng;
-use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare};
+use super::test_case::{Bound, Case, EPSILON, FAILED, FailureCounts, TestCase, compare};
 use crate::lane::functions;
 use crate::math::Vec3;
 use crate::primitives::{FlatLight, LightSample, flat, sphere};
@@ -11,14 +11,20 @@ use std::f32::consts::TAU;
 use std::f64::consts::PI;
 
 pub(super) fn test_cases() -> Vec<TestCase> {
-    let flat_lights = || TestCase {
+    let flat_lights = |case: Case<SampleFlat>| TestCase {
+        axis: "edge / distance",
         places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0],
         failure: "pdf is not positive and finite",
         error: Some("|Δ pdf| / pdf"),
         source: OOSTEROM,
         inputs: 50_000,
+        methods: compare(
+            case,
+            &[("angles", angles), ("determinant", determinant), ("whole-or-area", whole_or_area)],
+        ),
         ..TestCase::COMMON
     };
+    let quad: Case<SampleFlat> = |rng, x, counts, sample| flat(small(rng, x), true, rng, counts, sample);
     vec![
         TestCase {
             name: "lights-spheres",
@@ -50,41 +56,28 @@ pub(super) fn test_cases() -> Vec<TestCase> {
         TestCase {
             name: "lights-triangle",
             title: "Sampling triangular lights that are small or far away",
-            axis: "edge / distance",
-            methods: compare::<SampleFlat>(
-                |rng, x, counts, sample| flat(small(rng, x), false, rng, counts, sample),
-                &[("angles", angles), ("determinant", determinant), ("whole-or-area", whole_or_area)],
-            ),
             // Measured, not derived: 8 ε.
             bound: |_| Bound::error(16.0 * EPSILON),
-            ..flat_lights()
+            ..flat_lights(|rng, x, counts, sample| flat(small(rng, x), false, rng, counts, sample))
         },
         TestCase {
             name: "lights-quad",
             title: "Sampling parallelograms that emit and are small or far away",
-            axis: "edge / distance",
-            methods: compare::<SampleFlat>(
-                |rng, x, counts, sample| flat(small(rng, x), true, rng, counts, sample),
-                &[("determinants", determinants), ("whole-or-area", whole_or_area)],
-            ),
+            methods: compare(quad, &[("determinants", determinants), ("whole-or-area", whole_or_area)]),
             // Measured, not derived: half of it.
             bound: |_| Bound::error(32.0 * EPSILON),
-            ..flat_lights()
+            ..flat_lights(quad)
         },
         TestCase {
             name: "lights-edge-on",
             title: "Sampling triangular lights seen nearly edge-on, about half as large as their distance",
             axis: "distance from the triangle's plane / distance",
             places: &[1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
-            methods: compare::<SampleFlat>(
-                |rng, x, counts, sample| flat(edge_on(rng, x), false, rng, counts, sample),
-                &[("angles", angles), ("determinant", determinant), ("whole-or-area", whole_or_area)],
-            ),
             // The distance of the plane is rounded by some ε; closer to it there is no promise.
             bound: |height| {
                 if height < 1e-5 { Bound::NONE } else { Bound::error(EPSILON * (16.0 + 8.0 / height)) }
             },
-            ..flat_lights()
+            ..flat_lights(|rng, x, counts, sample| flat(edge_on(rng, x), false, rng, counts, sample))
         },
     ]
 }

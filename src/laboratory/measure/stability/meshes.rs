@@ -3,10 +3,10 @@
 //!
 //! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
-use super::methods::triangle_methods;
+use super::methods::all_methods;
 use super::rays::towards;
 use super::rng::Rng;
-use super::test_case::{FailureCounts, TestCase, trials};
+use super::test_case::{Case, FailureCounts, TestCase, trials};
 use super::triangles::{WOOP, mean};
 use crate::lane::{F32x8, Lane, Mask};
 use crate::math::Ray;
@@ -19,42 +19,37 @@ use std::sync::LazyLock;
 const SIZES: [f64; 9] = [1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e12];
 
 pub(super) fn test_cases() -> Vec<TestCase> {
-    let common = || TestCase {
+    let common = |case: Case<Leaks>| TestCase {
+        axis: "size of the mesh",
         places: &SIZES,
         failure: "a ray inside a closed mesh hits nothing",
         source: WOOP,
         inputs: 40_000,
+        methods: trials(case, &all_methods!(triangle, leaks)),
         ..TestCase::COMMON
     };
-    type Case = fn(&mut Rng, f64, &mut FailureCounts, Leaks);
-    let of_size = |name, title, case: Case| TestCase {
-        name,
-        title,
-        axis: "size of the mesh",
-        methods: trials(case, &triangle_methods!(leaks)),
-        ..common()
-    };
-    let anywhere = "Rays anywhere at a closed mesh: failures are rarer than at edges";
     vec![
-        of_size("mesh-edges", "Rays at the edges of a closed mesh", |rng, x, counts, leaks| {
-            leaks(rng, counts, x, 0.0, Target::Edges);
-        }),
-        of_size("mesh-vertices", "Rays at the vertices of a closed mesh", |rng, x, counts, leaks| {
-            leaks(rng, counts, x, 0.0, Target::Vertices);
-        }),
-        of_size("mesh-random", anywhere, |rng, x, counts, leaks| {
-            leaks(rng, counts, x, 0.0, Target::Anywhere);
-        }),
+        TestCase {
+            name: "mesh-edges",
+            title: "Rays at the edges of a closed mesh",
+            ..common(|rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Edges))
+        },
+        TestCase {
+            name: "mesh-vertices",
+            title: "Rays at the vertices of a closed mesh",
+            ..common(|rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Vertices))
+        },
+        TestCase {
+            name: "mesh-random",
+            title: "Rays anywhere at a closed mesh: failures are rarer than at edges",
+            ..common(|rng, x, counts, leaks| leaks(rng, counts, x, 0.0, Target::Anywhere))
+        },
         TestCase {
             name: "mesh-offset",
             title: "Rays at the edges of a closed mesh away from the origin of coordinates",
             axis: "distance of the mesh from the origin / its size",
             places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4],
-            methods: trials::<Leaks>(
-                |rng, x, counts, leaks| leaks(rng, counts, 1.0, x, Target::Edges),
-                &triangle_methods!(leaks),
-            ),
-            ..common()
+            ..common(|rng, x, counts, leaks| leaks(rng, counts, 1.0, x, Target::Edges))
         },
     ]
 }

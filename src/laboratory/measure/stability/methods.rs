@@ -1,6 +1,6 @@
 //! The list of all intersection methods by family and name, for test cases, charts and tests.
 //!
-//! `sphere_methods!(time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method.
+//! `all_methods!(sphere, time)` instantiates `fn time<S: SphereMethod>() -> f64` for each method.
 
 /// A method, and a function of it.
 #[derive(Clone, Copy, Debug)]
@@ -45,37 +45,26 @@ pub const MEANINGS: [(&str, &str); 15] = [
 ];
 
 /// The array of [`Method`]s with this function for every
-/// [`SphereMethod`](crate::methods::SphereMethod).
-macro_rules! sphere_methods {
-    ($run:ident) => {
-        $crate::measure::stability::methods::list!($run;
+/// [`SphereMethod`](crate::methods::SphereMethod), [`TriangleMethod`](crate::methods::TriangleMethod) or
+/// [`BoxMethod`](crate::methods::BoxMethod). The last rule has rows of `default|other "name" Type`.
+macro_rules! all_methods {
+    (sphere, $run:ident) => {
+        $crate::measure::stability::methods::all_methods!($run;
             default "robust" Robust, other "robust-any-length" RobustAnyLength, other "naive" Naive)
     };
-}
-
-/// Variant of `sphere_methods!` for every [`TriangleMethod`](crate::methods::TriangleMethod).
-macro_rules! triangle_methods {
-    ($run:ident) => {
-        $crate::measure::stability::methods::list!($run;
+    (triangle, $run:ident) => {
+        $crate::measure::stability::methods::all_methods!($run;
             default "woop" Woop, other "woop-contracted" WoopContracted, other "moller-trumbore" MollerTrumbore,
             other "moller-trumbore-epsilon" MollerTrumboreEpsilon, other "baldwin-weber" BaldwinWeber, other "plucker" Plucker)
     };
-}
-
-/// Variant of `sphere_methods!` for every [`BoxMethod`](crate::methods::BoxMethod).
-macro_rules! box_methods {
-    ($run:ident) => {
-        $crate::measure::stability::methods::list!($run;
+    (box, $run:ident) => {
+        $crate::measure::stability::methods::all_methods!($run;
             default "padded-fma" Padded, other "by-sign" BySign, other "by-sign-2-ulp" BySignWidened, other "fma" Contracted,
             other "x86-min-max" X86MinMax, other "ieee-min-max" IeeeMinMax)
     };
-}
-
-/// Rows of `default|other "name" Type`.
-macro_rules! list {
     ($run:ident; $($role:ident $name:literal $method:ident),+) => {
         [$($crate::measure::stability::methods::Method::$role($name, $run::<$crate::methods::$method>)),+]
     };
 }
 
-pub(crate) use {box_methods, list, sphere_methods, triangle_methods};
+pub(crate) use all_methods;

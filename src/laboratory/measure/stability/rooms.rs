@@ -3,8 +3,8 @@
 use super::methods::Method;
 use super::rays::towards;
 use super::rng::Rng;
-use super::spawn::{SpawnMethod, common};
-use super::test_case::{Bound, FailureCounts, TestCase, trials};
+use super::spawn::{SpawnMethod, WAECHTER};
+use super::test_case::{FailureCounts, TestCase, trials};
 use super::triangles::{self, mean};
 use crate::kernel::surface::{inset, triangle_normal, triangle_offset};
 use crate::math;
@@ -17,8 +17,6 @@ pub(super) fn test_cases() -> Vec<TestCase> {
         title: "Leaving the walls of closed rooms of size 2 next to their corners",
         axis: "distance of the room from the origin",
         places: &[0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 2e4],
-        failure: "the ray starts outside the room",
-        bound: |_| Bound { failures: 0.0, p99: None },
         methods: trials(
             leave_walls,
             &[
@@ -27,7 +25,9 @@ pub(super) fn test_cases() -> Vec<TestCase> {
                 Method::other("point", Leaving::Point),
             ],
         ),
-        ..common()
+        failure: "the ray starts outside the room",
+        source: WAECHTER,
+        ..TestCase::COMMON
     }]
 }
 

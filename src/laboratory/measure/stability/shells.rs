@@ -6,11 +6,10 @@
 
 use super::rays::{ray, to_f64, towards};
 use super::rng::Rng;
-use super::spawn::{ARRIVING, SPAWN_METHODS, SpawnMethod, common, spawned};
+use super::spawn::{ARRIVING, SpawnMethod, common, spawned};
 use super::spheres::{Ball, intersect};
-use super::test_case::{Bound, FailureCounts, TestCase, trials};
-use crate::kernel::surface::{sphere_offset, sphere_surface};
-use crate::math::{self, Ray};
+use super::test_case::{Bound, FailureCounts, TestCase};
+use crate::math::Ray;
 use crate::methods::Robust;
 use glam::Vec3;
 
@@ -21,11 +20,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             title: "Rays spawned outwards on spheres of radius 1",
             axis: "distance of the centre from the origin",
             places: &[0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4],
-            methods: trials(
-                |rng, x, counts, method| leave_spheres(rng, x, counts, Side::Outside, method),
-                &SPAWN_METHODS,
-            ),
-            ..common()
+            ..common(|rng, x, counts, method| leave_spheres(rng, x, counts, Side::Outside, method))
         },
         TestCase {
             name: "spawn-inwards",
@@ -33,11 +28,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             axis: "distance of the centre from the origin",
             places: &[0.0, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4],
             failure: "the ray misses the far side, or hits the near one",
-            methods: trials(
-                |rng, x, counts, method| leave_spheres(rng, x, counts, Side::Inside, method),
-                &SPAWN_METHODS,
-            ),
-            ..common()
+            ..common(|rng, x, counts, method| leave_spheres(rng, x, counts, Side::Inside, method))
         },
         TestCase {
             name: "spawn-shells",
@@ -46,10 +37,9 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             places: &[1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2],
             failure: "the ray misses the other shell, or hits its own",
             inputs: 50_000,
-            methods: trials(between_shells, &SPAWN_METHODS),
             // 1e-5 is two offsets of shells at this distance from the origin.
             bound: |gap| if gap > 1e-5 { Bound::NO_FAILURE } else { Bound::NONE },
-            ..common()
+            ..common(between_shells)
         },
     ]
 }
@@ -91,10 +81,9 @@ pub fn leave_sphere(
 /// side.
 fn spawn(ball: Ball, arriving: &Ray<f32>, side: Side, method: SpawnMethod) -> Option<(Vec3, Vec3)> {
     let along = arriving.at(intersect::<Robust>(ball, arriving, f32::INFINITY)?);
-    let center = math::Vec3::splat(ball.center);
-    let (exact, normal) = sphere_surface(along, center, 1.0 / ball.radius, true);
+    let (exact, normal) = ball.surface(along);
     let n = if side == Side::Outside { normal } else { -normal }.get(0);
-    Some((method.start(exact.get(0), along.get(0), n, sphere_offset(ball.center, ball.radius)), n))
+    Some((method.start(exact.get(0), along.get(0), n, ball.offset()), n))
 }
 
 /// Tests whether the hit lies beyond the middle of the ray's chord, computed from its actual origin.
@@ -128,10 +117,8 @@ pub fn leave_shell(
     // An arriving ray gives the point, so that its rounding is part of the method under test.
     let normal = rng.direction();
     let from = if side == Side::Inside { 0.3 } else { 3.0 };
-    let arriving = towards(
-        (center.as_dvec3() + normal * from).as_vec3(),
-        center.as_dvec3() + normal * f64::from(own.radius),
-    );
+    let center = center.as_dvec3();
+    let arriving = towards((center + normal * from).as_vec3(), center + normal * f64::from(own.radius));
     let Some((start, n)) = spawn(own, &arriving, side, method) else { return counts.record(true) };
     let direction = loop {
         let direction = rng.direction().as_vec3();

@@ -6,7 +6,7 @@
 use super::methods::Method;
 use super::rays::{ray, towards};
 use super::rng::Rng;
-use super::test_case::{FailureCounts, TestCase, trials};
+use super::test_case::{Case, FailureCounts, TestCase, trials};
 use super::triangles;
 use crate::kernel::surface::{triangle_normal, triangle_offset};
 use crate::math;
@@ -14,11 +14,16 @@ use crate::methods::Woop;
 use crate::sampling::warp::sample_cosine_hemisphere;
 use glam::Vec3;
 
-const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
+pub(super) const WAECHTER: &str = "Wächter, Binder, Ray Tracing Gems ch. 6, 2019";
 
-/// Returns the texts that test cases of rays that leave a surface have in common.
-pub(super) fn common() -> TestCase {
-    TestCase { failure: "the ray hits the surface that it leaves", source: WAECHTER, ..TestCase::COMMON }
+/// Returns what test cases of rays that leave a surface have in common.
+pub(super) fn common(case: Case<SpawnMethod>) -> TestCase {
+    TestCase {
+        failure: "the ray hits the surface that it leaves",
+        source: WAECHTER,
+        methods: trials(case, &SPAWN_METHODS),
+        ..TestCase::COMMON
+    }
 }
 
 pub(super) fn test_cases() -> Vec<TestCase> {
@@ -28,41 +33,28 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             title: "Rays spawned on triangles with edges of 1",
             axis: "distance of the triangle from the origin",
             places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            methods: trials(
-                |rng, x, counts, method| leave_triangles(rng, counts, [1.0, x, 1.0], method),
-                &SPAWN_METHODS,
-            ),
-            ..common()
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0, x, 1.0], ARRIVING, method))
         },
         TestCase {
             name: "spawn-size",
             title: "Rays spawned on triangles at a distance of 1 from the origin",
             axis: "edge of the triangle",
             places: &[1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            methods: trials(
-                |rng, x, counts, method| leave_triangles(rng, counts, [x, 1.0, 1.0], method),
-                &SPAWN_METHODS,
-            ),
-            ..common()
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [x, 1.0, 1.0], ARRIVING, method))
         },
         TestCase {
             name: "spawn-travelled",
             title: "Rays spawned on triangles with edges of 1, at a distance of 1 from the origin, after a long ray",
             axis: "length of the arriving ray",
             places: &[0.01, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            methods: trials(after_distance, &SPAWN_METHODS),
-            ..common()
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0; 3], [x; 2], method))
         },
         TestCase {
             name: "spawn-slivers",
             title: "Rays spawned on slivers with edges of 1",
             axis: "usual height / height",
             places: &[1.0, 10.0, 100.0, 1e3, 1e4],
-            methods: trials(
-                |rng, x, counts, method| leave_triangles(rng, counts, [1.0, 1.0, x], method),
-                &SPAWN_METHODS,
-            ),
-            ..common()
+            ..common(|rng, x, counts, method| leave_triangles(rng, counts, [1.0, 1.0, x], ARRIVING, method))
         },
     ]
 }
@@ -81,7 +73,7 @@ pub struct SpawnMethod {
 }
 
 /// The renderer's own first.
-pub(super) const SPAWN_METHODS: [Method<SpawnMethod>; 6] = {
+const SPAWN_METHODS: [Method<SpawnMethod>; 6] = {
     let (bound, none) = (SpawnMethod::share(1.0), SpawnMethod::share(0.0));
     [
         Method::default("exact point, error bound", bound),
@@ -137,13 +129,11 @@ pub fn leave_triangle(
     [near, far]: [f64; 2],
     method: SpawnMethod,
 ) {
-    let [a, b, c] = vertices.map(|v| v.as_dvec3());
     let (normal, bound) = (triangle_normal(vertices), triangle_offset(vertices));
     let [start, ab, ac] =
         [vertices[0], vertices[1] - vertices[0], vertices[2] - vertices[0]].map(math::Vec3::<f32>::splat);
     for _ in 0..8 {
-        let weights = rng.barycentrics();
-        let target = a * weights[0] + b * weights[1] + c * weights[2];
+        let target = triangles::mean(vertices.map(|v| v.as_dvec3()), rng.barycentrics());
         let distance = rng.scale(near, far);
         let arriving = towards((target + rng.direction() * distance).as_vec3(), target);
         let Some([t, u, v]) = triangles::intersect::<Woop>(vertices, &arriving, f32::INFINITY) else {
@@ -175,15 +165,10 @@ fn leave_triangles(
     rng: &mut Rng,
     counts: &mut FailureCounts,
     [size, place, flat]: [f64; 3],
+    travelled: [f64; 2],
     method: SpawnMethod,
 ) {
     if let Some(vertices) = triangle(rng, size, place, flat) {
-        leave_triangle(counts, rng, vertices, ARRIVING.map(|travelled| travelled * size), method);
-    }
-}
-
-fn after_distance(rng: &mut Rng, travelled: f64, counts: &mut FailureCounts, method: SpawnMethod) {
-    if let Some(vertices) = triangle(rng, 1.0, 1.0, 1.0) {
-        leave_triangle(counts, rng, vertices, [travelled; 2], method);
+        leave_triangle(counts, rng, vertices, travelled.map(|sizes| sizes * size), method);
     }
 }

@@ -3,12 +3,13 @@
 //! Source: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
 //! Gems ch. 7, 2019.
 
-use super::methods::sphere_methods;
+use super::methods::all_methods;
 use super::rays::{ray, to_f64};
 use super::rng::Rng;
-use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, trials};
+use super::test_case::{Bound, Case, EPSILON, FAILED, FailureCounts, TestCase, trials};
 use crate::math::{self, Ray};
 use crate::methods::SphereMethod;
+pub use crate::rays::Sphere as Ball;
 use crate::reference::hit_sphere;
 use glam::Vec3;
 use std::f64::consts::TAU;
@@ -17,7 +18,12 @@ const HAINES: &str = "Haines, Günther, Akenine-Möller, Ray Tracing Gems ch. 7,
 
 /// Bounds hold where the default method makes a promise; `kernel::ray_sphere` has the measured figures.
 pub(super) fn test_cases() -> Vec<TestCase> {
-    let common = || TestCase { failure: "hit or miss misjudged", source: HAINES, ..TestCase::COMMON };
+    let common = |case: Case<Intersect>| TestCase {
+        failure: "hit or miss misjudged",
+        source: HAINES,
+        methods: trials(case, &all_methods!(sphere, intersect)),
+        ..TestCase::COMMON
+    };
     vec![
         TestCase {
             name: "spheres-far",
@@ -26,11 +32,10 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             places: &[10.0, 30.0, 100.0, 300.0, 1e3, 4096.0, 1e4, 1e5, 1e6],
             error: Some("|Δt| / radius"),
             inputs: 400_000,
-            methods: trials(far, &sphere_methods!(intersect)),
             // Within about ε D / 16 of the silhouette, rounding decides: 0.2 ε D of the disc at which rays
             // aim.
             bound: |d| Bound { failures: 0.25 * EPSILON * d, p99: Some(4.0 * EPSILON * (d + 1.0)) },
-            ..common()
+            ..common(|rng, d, counts, intersect| misjudged(counts, rng, UNIT, d, 1.0, intersect))
         },
         TestCase {
             name: "spheres-scale",
@@ -39,9 +44,8 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             places: &[1e-15, 1e-10, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e10, 1e15],
             error: Some("|Δt| / radius"),
             inputs: 200_000,
-            methods: trials(of_radius, &sphere_methods!(intersect)),
             bound: |_| Bound { failures: 0.25 * EPSILON * 100.0, p99: Some(4.0 * EPSILON * 101.0) },
-            ..common()
+            ..common(of_radius)
         },
         TestCase {
             name: "spheres-huge",
@@ -50,19 +54,17 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7],
             failure: "missed, or t off by more than half",
             error: Some("|Δt| / t"),
-            methods: trials(from_close_by, &sphere_methods!(intersect)),
             // c = |o − c|² − r² is a small difference of large numbers.
             bound: |r| Bound { failures: 1.5 * EPSILON * r, p99: Some((2.0 * r + 10.0) * EPSILON) },
-            ..common()
+            ..common(from_close_by)
         },
         TestCase {
             name: "spheres-tangent",
             title: "Rays that barely hit or miss a sphere, from 1.5 to 1,000 radii",
             axis: "distance of ray and silhouette / (ε distance of the origin)",
             places: &[0.1, 0.3, 1.0, 3.0, 10.0, 20.0, 100.0, 1e3, 1e4, 1e5],
-            methods: trials(tangent, &sphere_methods!(intersect)),
             bound: |off| if off < 20.0 { Bound::NONE } else { Bound::NO_FAILURE },
-            ..common()
+            ..common(tangent)
         },
         TestCase {
             name: "spheres-inside",
@@ -71,9 +73,8 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0],
             failure: "a miss, or a point off the sphere by more than the rounding bound",
             error: Some("distance of the point and the sphere / radius"),
-            methods: trials(from_inside, &sphere_methods!(intersect)),
             bound: |_| Bound::error(8.0 * EPSILON),
-            ..common()
+            ..common(from_inside)
         },
         TestCase {
             name: "spheres-lengths",
@@ -81,21 +82,11 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             axis: "length of the direction",
             places: &[1e-15, 1e-6, 0.5, 0.999, 0.99999, 1.0, 1.00001, 1.001, 1e6, 1e15],
             error: Some("|Δt| · length / radius"),
-            methods: trials(of_length, &sphere_methods!(intersect)),
             // The default assumes unit length, which the renderer maintains.
             bound: |length| if length == 1.0 { Bound::error(4.0 * EPSILON * 101.0) } else { Bound::NONE },
-            ..common()
+            ..common(|rng, length, counts, intersect| misjudged(counts, rng, UNIT, 100.0, length, intersect))
         },
     ]
-}
-
-/// A sphere of single precision.
-#[derive(Clone, Copy, Debug)]
-pub struct Ball {
-    /// Centre, in scene units.
-    pub center: Vec3,
-    /// Radius, in scene units; positive.
-    pub radius: f32,
 }
 
 /// The unit sphere around the origin.
@@ -166,19 +157,11 @@ fn misjudged(
     }
 }
 
-fn far(rng: &mut Rng, distance: f64, counts: &mut FailureCounts, intersect: Intersect) {
-    misjudged(counts, rng, UNIT, distance, 1.0, intersect);
-}
-
 /// Tries spheres around the origin and elsewhere, where o − c is rounded.
 fn of_radius(rng: &mut Rng, radius: f64, counts: &mut FailureCounts, intersect: Intersect) {
     let place = [Vec3::ZERO, Vec3::new(0.3, -0.7, 0.6)][rng.index(2)];
     let ball = Ball { center: place * radius as f32, radius: radius as f32 };
     misjudged(counts, rng, ball, 100.0 * radius, 1.0, intersect);
-}
-
-fn of_length(rng: &mut Rng, length: f64, counts: &mut FailureCounts, intersect: Intersect) {
-    misjudged(counts, rng, UNIT, 100.0, length, intersect);
 }
 
 /// Tries downward rays in all directions; those near the horizon miss a small sphere.

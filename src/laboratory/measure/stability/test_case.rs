@@ -50,9 +50,12 @@ impl Debug for TestCase {
     }
 }
 
-/// Returns the trial of each method: `case` gets what the method computes.
+/// A [`Trial`] that also gets what a method computes.
+pub(crate) type Case<M> = fn(&mut Rng, f64, &mut FailureCounts, M);
+
+/// Returns the trial of each method.
 pub(crate) fn trials<M: Copy + Send + Sync + 'static>(
-    case: fn(&mut Rng, f64, &mut FailureCounts, M),
+    case: Case<M>,
     methods: &[Method<M>],
 ) -> Vec<Method<Trial>> {
     let trial = |&Method { name, default, run }: &Method<M>| Method::<Trial> {
@@ -65,7 +68,7 @@ pub(crate) fn trials<M: Copy + Send + Sync + 'static>(
 
 /// Variant of [`trials`] for methods by name, the last one the default.
 pub(crate) fn compare<M: Copy + Send + Sync + 'static>(
-    case: fn(&mut Rng, f64, &mut FailureCounts, M),
+    case: Case<M>,
     methods: &[(&'static str, M)],
 ) -> Vec<Method<Trial>> {
     let last = methods.len() - 1;

@@ -4,7 +4,7 @@ use super::rays::towards;
 use super::rng::Rng;
 use super::spheres::{Ball, intersect};
 use super::test_case::{Bound, EPSILON, FailureCounts, TestCase, compare};
-use crate::kernel::surface::{latitude_longitude, remove_shared_repeats, sphere_surface};
+use crate::kernel::surface::{latitude_longitude, remove_shared_repeats};
 use crate::kernel::texture::Grid;
 use crate::math::Vec3;
 use crate::methods::Robust;
@@ -27,9 +27,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
                     ("acos", |point, ball| cos_latitude(point, ball).acos()),
                     ("acos-clamped", |point, ball| cos_latitude(point, ball).clamp(-1.0, 1.0).acos()),
                     ("arcsine", |point, ball| {
-                        let center = Vec3::splat(ball.center);
-                        let (_, normal) = sphere_surface(point, center, 1.0 / ball.radius, true);
-                        latitude_longitude(normal).1 * std::f32::consts::PI
+                        latitude_longitude(ball.surface(point).1).1 * std::f32::consts::PI
                     }),
                 ],
             ),
@@ -48,8 +46,8 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             methods: compare(
                 seam,
                 &[
-                    ("plus-one", |u| whole(if u < 0.0 { u + 1.0 } else { u } * COLUMNS)),
-                    ("minus-floor", |u| whole((u - u.floor()) * COLUMNS)),
+                    ("plus-one", |u| (if u < 0.0 { u + 1.0 } else { u } * COLUMNS) as i64),
+                    ("minus-floor", |u| ((u - u.floor()) * COLUMNS) as i64),
                     ("below-one", |u| nearest(u, COLUMNS)),
                 ],
             ),
@@ -68,7 +66,7 @@ pub(super) fn test_cases() -> Vec<TestCase> {
                 &[
                     // A cast to int; out of range it saturates, which is undefined in C.
                     ("integer", |u, columns| i64::from((u * columns) as i32).rem_euclid(columns as i64)),
-                    ("remainder", |u, columns| whole((u * columns) % columns)),
+                    ("remainder", |u, columns| ((u * columns) % columns) as i64),
                     ("fraction-first", nearest),
                 ],
             ),
@@ -123,11 +121,6 @@ fn poles(rng: &mut Rng, most: f64, counts: &mut FailureCounts, latitude: fn(Vec3
 }
 
 const COLUMNS: f32 = 1024.0;
-
-/// Towards zero.
-fn whole(x: f32) -> i64 {
-    x as i64
-}
 
 /// Returns the default's column.
 fn nearest(u: f32, columns: f32) -> i64 {

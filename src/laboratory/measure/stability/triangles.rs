@@ -2,10 +2,10 @@
 //!
 //! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 
-use super::methods::triangle_methods;
+use super::methods::all_methods;
 use super::rays::{ray, to_f64, towards};
 use super::rng::Rng;
-use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, trials};
+use super::test_case::{Bound, Case, EPSILON, FAILED, FailureCounts, TestCase, trials};
 use crate::kernel::ray_triangle::TriangleHit;
 use crate::math::Ray;
 use crate::methods::TriangleMethod;
@@ -13,10 +13,11 @@ use glam::{DVec3, Vec3};
 
 pub(super) const WOOP: &str = "Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013";
 pub(super) fn test_cases() -> Vec<TestCase> {
-    let common = || TestCase {
+    let common = |case: Case<Intersect>| TestCase {
         failure: "a ray through the triangle misses it",
         error: Some("|Δt| / t"),
         source: WOOP,
+        methods: trials(case, &all_methods!(triangle, intersect)),
         ..TestCase::COMMON
     };
     vec![
@@ -25,13 +26,12 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             title: "Slivers seen from twice their length",
             axis: "longest edge / height",
             places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6],
-            methods: trials(slivers, &triangle_methods!(intersect)),
             // Rounding decides rays within the rounding error of an edge, which is most of a sliver.
             bound: |aspect| Bound {
                 failures: 4.0 * EPSILON * aspect,
                 p99: Some(EPSILON * (24.0 + aspect / 6.0)),
             },
-            ..common()
+            ..common(slivers)
         },
         TestCase {
             name: "triangles-scale",
@@ -40,20 +40,18 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             places: &[1e-15, 1e-12, 1e-8, 1e-4, 1.0, 1e4, 1e8, 1e12, 1e15],
             failure: "hit or miss misjudged, farther from an edge than rounding reaches",
             error: Some("|Δt| / (t + edge)"),
-            methods: trials(of_size, &triangle_methods!(intersect)),
             bound: |size| {
                 if (1e-12..=1e12).contains(&size) { Bound::error(10.0 * EPSILON) } else { Bound::NONE }
             },
-            ..common()
+            ..common(of_size)
         },
         TestCase {
             name: "triangles-far",
             title: "Triangles seen from far away",
             axis: "distance / edge",
             places: &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5],
-            methods: trials(from_far, &triangle_methods!(intersect)),
             bound: |d| Bound { failures: 4.0 * EPSILON * d, p99: Some(10.0 * EPSILON) },
-            ..common()
+            ..common(from_far)
         },
         TestCase {
             name: "triangles-grazing",
@@ -61,9 +59,8 @@ pub(super) fn test_cases() -> Vec<TestCase> {
             axis: "cosine of the ray and the triangle's normal",
             places: &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0],
             error: Some("distance of the point and the plane / edge"),
-            methods: trials(grazing, &triangle_methods!(intersect)),
             bound: |cos| Bound { failures: 4.0 * EPSILON / cos, p99: Some(10.0 * EPSILON) },
-            ..common()
+            ..common(grazing)
         },
     ]
 }

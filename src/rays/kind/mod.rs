@@ -1,7 +1,8 @@
 //! The kinds of primitives.
 //!
-//! Each kind is a module with its geometry, its tests in a leaf of a hierarchy, and its tests in a list. The code that distinguishes kinds is [`Shape`], [`List`] and [`Leaves`]. Triangles have
-//! more: traversals also test them in ways of their own.
+//! Each kind is a module with its geometry, its tests in a leaf of a hierarchy, and its tests in a list. The
+//! code that distinguishes kinds is [`Shape`], [`List`] and [`Leaves`]. Triangles have more: traversals also
+//! test them in ways of their own.
 
 pub mod geometry;
 pub mod sphere;

@@ -69,7 +69,7 @@ impl Selection {
             if let Primitive::Triangle(triangle) = scene.primitive(number) {
                 found.add_triangle(scene, (number, triangle), &powers, in_pieces.get(&number));
             } else {
-                let light = primitives::light(scene.primitive(number), powers[number]);
+                let light = primitives::light_rows(scene.primitive(number), powers[number]);
                 found.add(scene, [number; 2], powers[number], light);
             }
         }

@@ -72,7 +72,7 @@ pub(crate) fn sum_of_texels(scene: &Scene, number: usize, texture: &BlockMeans) 
 }
 
 /// Returns the rows of a whole primitive as a light with this power.
-pub(crate) fn light(primitive: Primitive, power: f64) -> (LightRow, [f32; 8]) {
+pub(crate) fn light_rows(primitive: Primitive, power: f64) -> (LightRow, [f32; 8]) {
     match primitive {
         Primitive::Sphere(sphere) => sphere::light(sphere, power),
         Primitive::Triangle(triangle) => flat::Flat::new(triangle, None).light(power),

@@ -223,7 +223,7 @@ fn resume(bytes: &[u8]) {
     for copies in 1..=2 {
         let parts = (0..copies).map(|_| read().expect("it was read before")).collect();
         if let Ok(parts) = Parts::new(parts) {
-            let _ = parts.film();
+            let _ = parts.film(true);
         }
     }
 }

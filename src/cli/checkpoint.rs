@@ -2,7 +2,7 @@
 
 use super::error::{CliError, describe, refuse};
 use super::{interrupt, terminal};
-use crate::checkpoint::{self, Checkpoint, CheckpointError, Header};
+use crate::checkpoint::{self, Checkpoint, CheckpointError, GuideRows, Header};
 use crate::film::Film;
 use crate::output::OutputError;
 use crate::wording::grouped;
@@ -21,6 +21,8 @@ pub struct CheckpointWriter {
     /// The samples that each tile is to have at the end of the round in which the film was saved, by tile
     /// number; empty for a new film.
     pub goals: Vec<u32>,
+    /// The rows of the denoiser's AOVs that a shard keeps.
+    pub guides: GuideRows,
     /// `None`: [`INTERVAL`], or longer where saving takes long.
     interval: Option<Duration>,
     /// The time at which the film is to be saved next.
@@ -55,7 +57,7 @@ impl CheckpointWriter {
         }
         let (file, saved) = (file.to_owned(), film.pixel_samples());
         let due = Instant::now() + interval.unwrap_or(INTERVAL);
-        Ok(Self { file, header, goals, interval, due, saved, warned: false })
+        Ok(Self { file, header, goals, guides: Vec::new(), interval, due, saved, warned: false })
     }
 
     /// Tests whether it is time to save, and the film has samples that the file does not have.
@@ -91,6 +93,6 @@ impl CheckpointWriter {
     }
 
     fn save(&self, film: &Film, goals: &[u32]) -> Result<(), OutputError> {
-        checkpoint::save(&self.file, &self.header, film, goals, &interrupt::insisted)
+        checkpoint::save(&self.file, &self.header, film, goals, &self.guides, &interrupt::insisted)
     }
 }

@@ -1,5 +1,6 @@
 //! The films that one call of `render` makes: a picture, a part of one, or the pictures of frames.
 
+use super::denoise::raw_file;
 use super::error::{CliError, refuse};
 use super::limits::LimitOptions;
 use super::numbers::seconds;
@@ -16,6 +17,9 @@ use std::time::Duration;
 ///
 /// The file's ending decides its format: .png and .jpg for display, .exr and .hdr for linear radiance. It
 /// replaces an existing one. The first limit reached ends the rendering.
+///
+/// --denoise filters the picture along the surfaces that are seen: clean after few samples, and the less it
+/// changes the more samples there are; the raw film, without bias, is kept beside it.
 ///
 /// --target-error estimates the error of blocks of 16×16 pixels after 16, 32, 64, … samples: the root mean
 /// square of the standard errors of their luminance, relative to it, or to the block's mean where a pixel is
@@ -50,6 +54,12 @@ pub struct RenderOptions {
     pub output: PathBuf,
     #[command(flatten)]
     pub limits: LimitOptions,
+    /// Denoise the picture; the raw film goes to FILE's name with .raw.exr.
+    #[arg(long)]
+    pub denoise: bool,
+    /// Also write what each pixel shows, as layers (.exr): albedo, normal, depth, position, material, object.
+    #[arg(long, value_name = "FILE", help_heading = LONG, hide_short_help = true)]
+    pub aovs: Option<PathBuf>,
     /// Also write the samples of each pixel (.exr: numbers, .png: shades).
     #[arg(long, value_name = "FILE", help_heading = LONG, hide_short_help = true)]
     pub samples_map: Option<PathBuf>,
@@ -86,6 +96,9 @@ pub struct Job {
     pub shard: Option<Shard>,
     pub checkpoint: Option<PathBuf>,
     pub samples_map: Option<PathBuf>,
+    /// The file of the raw film of a denoised picture.
+    pub raw: Option<PathBuf>,
+    pub aovs: Option<PathBuf>,
 }
 
 /// Returns the jobs of a call, with their files checked: they can be written. Frames are a job each; of a
@@ -125,6 +138,8 @@ fn check_shard(shard: Shard, options: &RenderOptions) -> Result<(), CliError> {
          go on later"
     } else if options.samples_map.is_some() {
         "all pixels of a shard have as many samples: leave out --samples-map"
+    } else if options.aovs.is_some() {
+        "AOVs are the same after any number of samples: write them whole, by a run with --samples 1"
     } else {
         return Ok(());
     };
@@ -140,16 +155,20 @@ fn job(options: &RenderOptions, frame: Option<u32>) -> Result<Job, CliError> {
             refuse(option, path.display(), instead)
         }),
     };
+    let (output, shard) = (name("--output", &options.output)?, options.shard.filter(|_| frame.is_none()));
     Ok(Job {
         frame,
-        output: name("--output", &options.output)?,
-        shard: options.shard.filter(|_| frame.is_none()),
+        // A shard is denoised when it is merged.
+        raw: (options.denoise && shard.is_none()).then(|| raw_file(&output)),
+        aovs: options.aovs.as_ref().map(|path| name("--aovs", path)).transpose()?,
+        output,
+        shard,
         checkpoint: options.checkpoint.as_ref().map(|path| name("--checkpoint", path)).transpose()?,
         samples_map: options.samples_map.as_ref().map(|path| name("--samples-map", path)).transpose()?,
     })
 }
 
-fn check(Job { output, shard, checkpoint, samples_map, .. }: &Job) -> Result<(), CliError> {
+fn check(Job { output, shard, checkpoint, samples_map, raw, aovs, .. }: &Job) -> Result<(), CliError> {
     if shard.is_some() {
         check_checkpoint("--output", output, "a shard is a part of a picture, for octray merge")?;
     } else {
@@ -160,6 +179,13 @@ fn check(Job { output, shard, checkpoint, samples_map, .. }: &Job) -> Result<(),
         Format::from_path(file)?;
         output::check(file, Existing::Replace)?;
     }
+    if let Some(file) = aovs {
+        if Format::from_path(file).ok() != Some(Format::Exr) {
+            return Err(refuse("--aovs", file.display(), "layers are written as EXR: give a name with .exr"));
+        }
+        output::check(file, Existing::Replace)?;
+    }
+    raw.iter().try_for_each(|file| output::check(file, Existing::Replace))?;
     if let Some(file) = checkpoint {
         check_checkpoint("--checkpoint", file, "a checkpoint is no picture")?;
         output::remove_leftovers(file);
@@ -189,6 +215,8 @@ pub fn keep_files(jobs: &[Job], of_scene: &[PathBuf]) -> Result<(), CliError> {
         let files = [
             ("--output", Some(&job.output)),
             ("--samples-map", job.samples_map.as_ref()),
+            ("--denoise", job.raw.as_ref()),
+            ("--aovs", job.aovs.as_ref()),
             ("--checkpoint", checkpoint),
         ];
         files.into_iter().filter_map(|(option, file)| Some((option, file?.as_path())))

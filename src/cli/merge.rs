@@ -1,11 +1,11 @@
 //! `octray merge`: the shards of a picture joined.
 
 use super::error::CliError;
-use super::memory;
 use super::numbers::exposure;
 use super::options::choice;
 use super::outputs::keep_inputs;
 use super::terminal::Printer;
+use super::{denoise, memory};
 use crate::checkpoint::merge::Parts;
 use crate::output::{self, Existing, Format};
 use crate::tone::{Operator, Tone};
@@ -34,6 +34,9 @@ pub struct Options {
     /// Tone: clamp, reinhard, aces [default: the parts'].
     #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>(), hide_possible_values = true)]
     tone: Option<Operator>,
+    /// Also denoise it; the raw film goes to FILE's name with .raw.exr.
+    #[arg(long)]
+    denoise: bool,
     /// Print the report as JSON (schema octray-merge-1).
     #[arg(long)]
     json: bool,
@@ -50,17 +53,21 @@ struct Report {
     samples: u32,
     rays: u64,
     discarded_samples: u64,
+    denoised: bool,
 }
 
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
     Format::from_path(&options.output)?;
     output::check(&options.output, Existing::Replace)?;
-    keep_inputs(&options.parts, [("--output", options.output.as_path())])?;
+    let raw = options.denoise.then(|| denoise::raw_file(&options.output));
+    raw.iter().try_for_each(|file| output::check(file, Existing::Replace))?;
+    let raw_output = raw.iter().map(|file| ("--denoise", file.as_path()));
+    keep_inputs(&options.parts, std::iter::once(("--output", options.output.as_path())).chain(raw_output))?;
     let parts = Parts::open(&options.parts)?;
     let header = parts.header().clone();
     let settings = &header.identity.settings;
     memory::check_film(settings.resolution, settings.target.is_some())?;
-    let film = parts.film()?;
+    let (film, guides) = parts.film(options.denoise)?;
     let [width, height] = settings.resolution;
     let report = Report {
         schema: "octray-merge-1",
@@ -72,17 +79,26 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         samples: film.samples(),
         rays: film.rays(),
         discarded_samples: film.discarded(),
+        denoised: options.denoise,
     };
     let shown = header.display;
     let tone = Tone {
         exposure: options.exposure.unwrap_or(shown.exposure),
         operator: options.tone.unwrap_or(shown.operator),
     };
-    let picture = film.picture();
-    drop(film);
-    output::save(&options.output, &picture, &tone)?;
+    match (&raw, &guides) {
+        (Some(raw), Some(guides)) => {
+            denoise::save(&options.output, raw, &film, guides, &tone)?;
+        }
+        _ => {
+            let picture = film.picture();
+            drop(film);
+            output::save(&options.output, &picture, &tone)?;
+        }
+    }
     let out = Printer { json: options.json };
     let (samples, parts) = (grouped(report.samples), counted(report.parts, "part", "parts"));
-    out.text(&format!("{}: {width}×{height}, {samples} samples, from {parts}\n", report.output))?;
+    let denoised = raw.map_or(String::new(), |raw| denoise::line(&raw));
+    out.text(&format!("{}: {width}×{height}, {samples} samples, from {parts}\n{denoised}", report.output))?;
     out.end(&report, false)
 }

@@ -5,6 +5,7 @@ mod chart;
 mod checkpoint;
 mod compare;
 mod convert;
+mod denoise;
 mod error;
 mod ground_truth;
 mod inspect;

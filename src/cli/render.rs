@@ -8,12 +8,13 @@ use super::outputs::is_same;
 use super::progress::Progress;
 use super::terminal::{self, Printer};
 use super::trace::{Traced, trace};
-use super::{interrupt, memory, scenes};
+use super::{denoise, interrupt, memory, scenes};
 use crate::adaptive::ErrorEstimate;
 use crate::camera::Tile;
 use crate::checkpoint::{self, Header, Identity, Shard};
 use crate::diagnosis;
 use crate::film::Film;
+use crate::integrate::edge_aovs::DenoiserAovs;
 use crate::measure::stats::FrameStats;
 use crate::methods;
 use crate::output::{self, Format, OutputError};
@@ -142,6 +143,13 @@ impl Rendering {
             }
             _ => None,
         };
+        let kept_rows = match job.shard.filter(|_| options.denoise) {
+            Some(shard) => denoise::rows_of_shard(&denoise::guides(renderer), shard),
+            None => Vec::new(),
+        };
+        if let Some(writer) = &mut writer {
+            writer.guides.clone_from(&kept_rows);
+        }
         if film.pixel_samples() > 0 {
             interrupt::set_begun();
         }
@@ -153,21 +161,24 @@ impl Rendering {
             Format::from_path(&job.output).is_ok_and(|format| !format.is_linear()).then_some(self.tone);
         let is_judged = first && job.shard.is_none() && traced.end != End::Interrupt;
         let odd = if is_judged { diagnosis::warnings(renderer, scene, &film, tone) } else { Vec::new() };
+        let begun = film.pixels_begun() as f64 / film.pixels() as f64;
+        let save_aovs = |file| denoise::save_aovs(file, renderer, scene, &film);
+        let aovs = job.aovs.as_deref().map_or(Ok(()), save_aovs);
+        let guides = report.raw.as_ref().map(|_| denoise::guides(renderer));
         if last {
             // Frees memory for the encoder.
             *prepared = None;
         }
-        let begun = film.pixels_begun() as f64 / film.pixels() as f64;
         interrupt::hold();
         let complete = matches!(traced.end, End::Samples | End::TargetError);
         let kept = writer.map_or(Ok(()), |mut writer| writer.finish(&film, &traced.goals, complete));
         let saved = match header.filter(|_| job.shard.is_some()) {
-            None => self.save_picture(job, film),
+            None => self.save_picture(job, film, guides.as_ref()),
             // The output is the checkpoint, which is written.
             Some(_) if job.checkpoint.as_ref().is_some_and(|file| is_same(file, &job.output)) => Ok(()),
             Some(header) => {
                 let header = Header { complete, ..header };
-                checkpoint::save(&job.output, &header, &film, &traced.goals, &interrupt::insisted)
+                checkpoint::save(&job.output, &header, &film, &traced.goals, &kept_rows, &interrupt::insisted)
             }
         };
         progress.bar.finish_and_clear();
@@ -175,10 +186,13 @@ impl Rendering {
             return Ok(ExitCode::from(INTERRUPTED));
         }
         saved?;
+        if job.raw.is_some() && report.raw.is_none() {
+            terminal::warn("the picture is not denoised: some of its pixels have no sample.");
+        }
         odd.iter().for_each(|odd| terminal::warn(&format!("{odd}.")));
         self.tell(&report, begun)?;
         // The picture is written; without a checkpoint, no later run can continue it.
-        kept?;
+        aovs.and(kept)?;
         Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
     }
 
@@ -197,17 +211,21 @@ impl Rendering {
             complete: false,
             rays: 0,
             tiles: 0,
+            guides: 0,
         }
     }
 
-    fn save_picture(&self, job: &Job, film: Film) -> Result<(), OutputError> {
+    fn save_picture(&self, job: &Job, film: Film, guides: Option<&DenoiserAovs>) -> Result<(), OutputError> {
         if let Some(file) = &job.samples_map {
             save_samples_map(file, &film)?;
+        }
+        if let (Some(raw), Some(guides)) = (&job.raw, guides) {
+            return denoise::save(&job.output, raw, &film, guides, &self.tone);
         }
         let picture = film.picture();
         // Frees memory for the encoder.
         drop(film);
-        output::save_unless(&job.output, &picture, &self.tone, &interrupt::insisted)
+        output::save_unless(&job.output, &picture, (&self.tone, ""), &interrupt::insisted)
     }
 
     fn tell(&self, report: &Report, begun: f64) -> Result<(), CliError> {
@@ -219,6 +237,7 @@ impl Rendering {
         }
         let out = Printer { json: self.options.json };
         out.text(&report.line(self.limits.samples, begun, &self.differing))?;
+        out.text(&report.raw.as_deref().map(denoise::line).unwrap_or_default())?;
         if let Some(taken) = &report.stats {
             out.text(&(stats::frames("stage", &[taken]) + &stats::meaning_of_frames()))?;
         }
@@ -238,6 +257,8 @@ impl Rendering {
             frame: job.frame,
             shard: job.shard.map(|Shard { number, count }| [number, count]),
             output: job.output.display().to_string(),
+            // Pixels without a sample are black, and would darken their neighbours.
+            raw: job.raw.clone().filter(|_| film.pixels_begun() == film.pixels()),
             width,
             height,
             samples: film.samples(),
@@ -275,5 +296,5 @@ fn save_samples_map(file: &Path, film: &Film) -> Result<(), OutputError> {
             *pixel = [srgb_to_linear(shown) as f32; 3];
         }
     }
-    output::save_unless(file, &counts, &Tone::default(), &interrupt::insisted)
+    output::save_unless(file, &counts, (&Tone::default(), ""), &interrupt::insisted)
 }

@@ -3,6 +3,8 @@
 //! One thread does all work: several would write blocks in the order of their completion, and two files of
 //! one picture would differ.
 
+pub use exr::prelude::FlatSamples;
+
 use exr::meta::MetaData;
 use exr::prelude::*;
 use octray_engine::film::Picture;
@@ -127,17 +129,39 @@ fn fault(error: Error) -> String {
     }
 }
 
-/// Writes a picture as linear f32, without loss: scan lines from the top, ZIP, which every program reads.
-pub fn write(out: impl Write + Seek, picture: &Picture) -> std::io::Result<()> {
+/// Writes a picture as linear f32, without loss: scan lines from the top, ZIP, which every program reads. A
+/// `comment`, unless it is empty, is the attribute of this name.
+pub fn write(out: impl Write + Seek, picture: &Picture, comment: &str) -> std::io::Result<()> {
     let Picture { width, height, ref pixels } = *picture;
     let size = Vec2(width as usize, height as usize);
     let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
         let [r, g, b] = pixels[at.flat_index_for_size(size)];
         (r, g, b)
     });
+    let comments = Some(Text::from(comment)).filter(|_| !comment.is_empty());
+    let attributes = LayerAttributes { comments, ..LayerAttributes::default() };
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);
+    Image::from_layer(layer).write().non_parallel().to_buffered(out).map_err(io_error)
+}
+
+/// Writes named channels of a picture's size without loss, as [`write`] does. A name `layer.channel` makes a
+/// layer.
+pub fn write_channels(
+    out: impl Write + Seek,
+    size: [u32; 2],
+    channels: Vec<(String, FlatSamples)>,
+) -> std::io::Result<()> {
+    let [width, height] = size.map(|side| side as usize);
+    let named = channels.into_iter().map(|(name, samples)| AnyChannel::new(name.as_str(), samples));
+    let channels = AnyChannels::sort(named.collect());
+    let size = Vec2(width, height);
     let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
-    Image::from_layer(layer).write().non_parallel().to_buffered(out).map_err(|error| match error {
+    Image::from_layer(layer).write().non_parallel().to_buffered(out).map_err(io_error)
+}
+
+fn io_error(error: Error) -> std::io::Error {
+    match error {
         Error::Io(error) => error,
         other => std::io::Error::other(other),
-    })
+    }
 }

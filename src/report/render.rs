@@ -6,6 +6,7 @@ use crate::adaptive::MAX_BLOCK_ERROR;
 use crate::measure::stats::FrameStats;
 use crate::wording::grouped;
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// Why a rendering ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -32,6 +33,9 @@ pub struct Report {
     pub shard: Option<[u32; 2]>,
     /// Path of the picture, or of the part of a shard.
     pub output: String,
+    /// Path of the raw film, if the picture is denoised.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub raw: Option<PathBuf>,
     pub width: u32,
     pub height: u32,
     /// The fewest samples of a pixel.

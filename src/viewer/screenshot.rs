@@ -1,22 +1,52 @@
-//! Saves screenshots: the film as PNG and EXR, and a view file that renders it again with the same bits.
+//! Saves screenshots: what is shown as PNG, the film as EXR, and a view file that renders the film again with
+//! the same bits.
 
+use super::controls::{Controls, Filter};
+use super::display_mode::DisplayMode;
+use super::frame::Frame;
 use super::painter::FrameInput;
 use octray_formats::output::{self, OutputError};
 use octray_formats::scene::{Rendering, View};
+use octray_formats::wording::counted;
 use std::path::{Path, PathBuf};
 
 /// Most screenshots of a scene in a folder.
 const MOST: u32 = 9_999;
 
-/// Saves a screenshot under the first free name in a folder. Returns its path without an extension. The film
-/// must have the same number of samples in every pixel.
-pub fn save(folder: &Path, input: &FrameInput) -> Result<PathBuf, OutputError> {
+/// Saves a screenshot under the first free name in a folder: the frame that is `shown`, or the raw film if
+/// nothing filters it. Returns what was saved. The film must have the same number of samples in every pixel.
+pub fn save(folder: &Path, input: &FrameInput, shown: &Frame) -> Result<String, OutputError> {
     let place = free_path(folder, &input.scene.name);
-    let (picture, tone) = (input.accumulation.film.picture(), &input.controls.tone);
-    output::save(&place.with_extension("png"), &picture, tone)?;
+    let (film, tone) = (&input.accumulation.film, &input.controls.tone);
+    let picture = film.picture();
+    let treatment = treatment(input.controls);
+    let samples = counted(film.samples(), "sample", "samples");
+    let file = place.with_extension("png");
+    match &treatment {
+        Some(treatment) => {
+            let comment = format!("octray: {}, {samples}", treatment.replace('×', "x"));
+            output::save_shown(&file, [shown.width, shown.height], &shown.pixels, &comment)?;
+        }
+        None => output::save(&file, &picture, tone)?,
+    }
     output::save(&place.with_extension("exr"), &picture, tone)?;
     output::save_text(&place.with_extension("json"), &view(folder, input).text())?;
-    Ok(place)
+    let place = place.display();
+    Ok(match treatment {
+        Some(treatment) => format!("saved {place}.png ({treatment}, {samples}), .exr (raw) and .json"),
+        None => format!("saved {place}.png (raw, {samples}), .exr and .json"),
+    })
+}
+
+/// Returns what a frame shows other than the raw film, in ASCII; `None` if it shows the film.
+fn treatment(controls: &Controls) -> Option<String> {
+    if controls.mode != DisplayMode::Picture {
+        return Some(controls.mode.name_and_legend().0.to_string());
+    }
+    let denoised = controls.denoiser.then_some("denoised");
+    let filter = (controls.filter != Filter::None).then(|| controls.filter.name());
+    let all: Vec<&str> = denoised.into_iter().chain(filter).collect();
+    (!all.is_empty()).then(|| all.join(", "))
 }
 
 /// Returns the view that `octray render` makes the same picture of.

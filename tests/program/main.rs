@@ -16,6 +16,7 @@ mod chart;
 #[cfg(unix)]
 mod checkpoints;
 mod convert;
+mod denoise;
 mod desk;
 mod figures;
 mod frames;

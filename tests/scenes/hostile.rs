@@ -159,7 +159,7 @@ fn exr_images_larger_than_their_file_accounts_for_are_refused() {
     let written = |width: u32| {
         let picture = Picture { width, height: 1, pixels: vec![[0.5; 3]; width as usize] };
         let mut exr = Cursor::new(Vec::new());
-        octray_formats::openexr::write(&mut exr, &picture).unwrap();
+        octray_formats::openexr::write(&mut exr, &picture, "").unwrap();
         exr.into_inner()
     };
     image_refused(&written(70_000), "the image is larger than 65535 texels");

@@ -13,7 +13,7 @@ use std::path::Path;
 
 fn encoded(picture: &Picture, format: Format, tone: &Tone) -> Cursor<Vec<u8>> {
     let mut file = Cursor::new(Vec::new());
-    encode(&mut file, picture, format, tone).unwrap();
+    encode(&mut file, picture, (format, ""), tone).unwrap();
     file.set_position(0);
     file
 }

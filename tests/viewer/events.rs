@@ -161,6 +161,29 @@ fn a_screenshot_just_before_the_end_is_taken_and_its_view_says_how() {
     assert!(octray::scene::load(&folder.name("octray-three-0001.json")).is_ok());
 }
 
+#[test]
+fn a_screenshot_is_what_is_shown_beside_the_raw_film() {
+    let folder = Folder::new();
+    let mut seat = Seat::start(options([64, 36], 1, &folder.path("")), &["builtin:cornell"]);
+    for (number, key, said) in [(1, None, "(raw, "), (2, Some('n'), "(denoised, "), (3, Some('2'), "(")] {
+        key.into_iter().for_each(|key| seat.press(Key::Char(key)));
+        seat.press(Key::Tab);
+        let file = format!("octray-cornell-{number:04}.png");
+        wait(&mut seat, "a message", |frame| frame.message.contains(&file));
+        assert!(seat.frame.message.contains(&format!("{file} {said}")), "{}", seat.frame.message);
+        let shot = folder.path(&file);
+        let render = |file: &str| {
+            let view = folder.name(&format!("octray-cornell-{number:04}.json"));
+            let done = crate::program::octray().args(["render", &view, "-o", &folder.name(file)]).output();
+            assert!(done.unwrap().status.success());
+            fs::read(folder.path(file)).unwrap()
+        };
+        assert!(render("film.exr") == fs::read(shot.with_extension("exr")).unwrap(), "{number}");
+        assert_eq!(render("film.png") == fs::read(shot).unwrap(), number == 1, "{number}");
+    }
+    seat.viewer.finish();
+}
+
 /// A key stops the sample under way, and leaves some pixels with more samples than others.
 #[test]
 fn a_screenshot_in_the_middle_of_a_sample_is_rendered_again() {

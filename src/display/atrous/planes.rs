@@ -48,8 +48,9 @@ pub const UNFILTERED: f32 = 1e30;
 /// camera. Of 1, 1/2 and 1/4 it is the one that increased next to no error over a filter that hardly filters
 /// smooth metal, and halved the error at a roughness of 0.2.
 const SHARE_OF_LOBE: f32 = 0.25;
-/// The colour range in standard deviations of the neighbourhood.
-const SIGMA_COLOR: f32 = 1.6;
+/// The colour range in standard deviations of the neighbourhood. Half of it leaves 1.6 to 1.9 times the error
+/// after 16 and 64 samples, and 0.97 times after four (geometric means of four built-in scenes).
+const SIGMA_COLOR: f32 = 3.2;
 /// Pixels to each side over which the variance of colours is estimated.
 const WINDOW: i32 = 2;
 

@@ -55,6 +55,24 @@ pub enum Plane {
 
 const PLANES: usize = Plane::Object as usize + 1;
 
+impl Plane {
+    /// All planes in their order.
+    pub const ALL: [Self; PLANES] = [
+        Self::Distance,
+        Self::NormalX,
+        Self::NormalY,
+        Self::NormalZ,
+        Self::AlbedoRed,
+        Self::AlbedoGreen,
+        Self::AlbedoBlue,
+        Self::WeightU,
+        Self::WeightV,
+        Self::Lobe,
+        Self::Scale,
+        Self::Object,
+    ];
+}
+
 /// The surface at the centre of a pixel: see [`Plane`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AovSample {
@@ -102,6 +120,11 @@ impl Aovs {
     pub fn row(&self, plane: Plane, y: u32) -> &[f32] {
         let start = (y as usize * PLANES + plane as usize) * self.stride;
         &self.values[start..start + self.resolution[0] as usize]
+    }
+    /// Returns one plane of a row of pixels, to be changed.
+    pub(super) fn row_mut(&mut self, plane: Plane, y: u32) -> &mut [f32] {
+        let start = (y as usize * PLANES + plane as usize) * self.stride;
+        &mut self.values[start..start + self.resolution[0] as usize]
     }
     /// Returns [`AovSample::object`] of a row of pixels.
     #[inline(always)]

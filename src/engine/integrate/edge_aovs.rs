@@ -74,6 +74,9 @@ pub struct DenoiserAovs {
 }
 
 impl DenoiserAovs {
+    /// The largest number of words of a row, for each of its pixels: see [`DenoiserAovs::row_words`].
+    pub const MAX_WORDS: usize = Plane::ALL.len() + EDGE_WORDS;
+
     /// Returns the AOVs at pixel centres.
     pub fn centers(&self) -> &Aovs {
         &self.centers
@@ -82,7 +85,55 @@ impl DenoiserAovs {
     pub fn edges(&self, y: u32) -> &[EdgePixel] {
         &self.edges[y as usize]
     }
+    /// Changes the size. The values are unspecified afterwards, until [`DenoiserAovs::set_row`] sets them.
+    pub fn resize(&mut self, resolution: [u32; 2]) {
+        self.centers.resize(resolution);
+        self.edges.clear();
+        self.edges.resize(resolution[1] as usize, Vec::new());
+    }
+    /// Returns a row as words: the planes of its pixels, then its edge pixels.
+    pub fn row_words(&self, y: u32) -> Vec<u32> {
+        let planes = Plane::ALL.iter().flat_map(|&plane| self.centers.row(plane, y));
+        let mut words: Vec<u32> = planes.map(|value| value.to_bits()).collect();
+        for EdgePixel { x, samples } in self.edges(y) {
+            words.push(*x);
+            for EdgeSample { object, normal, albedo, emits } in samples {
+                words.extend([*object, u32::from(*emits)]);
+                words.extend(normal.iter().chain(albedo).map(|value| value.to_bits()));
+            }
+        }
+        words
+    }
+    /// Sets a row from [`DenoiserAovs::row_words`]. Returns whether they can be those of a row.
+    pub fn set_row(&mut self, y: u32, words: &[u32]) -> bool {
+        let [width, height] = self.centers.resolution();
+        let Some((planes, edges)) = words.split_at_checked(Plane::ALL.len() * width as usize) else {
+            return false;
+        };
+        if y >= height || edges.len() % EDGE_WORDS != 0 {
+            return false;
+        }
+        for (&plane, values) in Plane::ALL.iter().zip(planes.chunks_exact(width as usize)) {
+            let row = self.centers.row_mut(plane, y);
+            row.iter_mut().zip(values).for_each(|(value, &word)| *value = f32::from_bits(word));
+        }
+        let sample = |words: &[u32]| {
+            let number = |at: usize| f32::from_bits(words[at]);
+            let [normal, albedo] = [2, 5].map(|first| [0, 1, 2].map(|axis| number(first + axis)));
+            EdgeSample { object: words[0], emits: words[1] == 1, normal, albedo }
+        };
+        let pixel = |words: &[u32]| EdgePixel {
+            x: words[0],
+            samples: std::array::from_fn(|point| sample(&words[1 + point * SAMPLE_WORDS..])),
+        };
+        self.edges[y as usize] = edges.chunks_exact(EDGE_WORDS).map(pixel).collect();
+        self.edges[y as usize].iter().all(|edge| edge.x < width)
+    }
 }
+
+/// The number of words of an [`EdgeSample`], and of an [`EdgePixel`].
+const SAMPLE_WORDS: usize = 8;
+const EDGE_WORDS: usize = 1 + EDGE_POINTS * SAMPLE_WORDS;
 
 /// Replaces the AOVs of mirrors and glass in a row by those of the surfaces seen in them.
 pub(crate) fn follow_row(context: &TraceContext, y: u32, row: &mut [f32], scratch: &mut Scratch) {

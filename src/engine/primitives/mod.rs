@@ -52,6 +52,14 @@ impl PrimitiveTables {
             triangles: TriangleTables::new(scene, &light),
         }
     }
+
+    /// Returns the index of the material of an object: see [`Surface::object`].
+    pub(crate) fn material_of_object(&self, scene: &Scene, object: u32) -> u32 {
+        match object.checked_sub(self.objects) {
+            Some(material) => material,
+            None => scene.primitive(object as usize).material(),
+        }
+    }
 }
 
 /// Returns the power that a primitive emits on all sides at a radiance of 1.

@@ -2,17 +2,95 @@
 
 use super::Renderer;
 use crate::camera::Tile;
-use crate::integrate::aovs::{self, Aovs};
-use crate::integrate::edge_aovs::{self, DenoiserAovs};
+use crate::film::Film;
+use crate::integrate::aovs::{self, Aovs, Plane};
+use crate::integrate::edge_aovs::{self, DenoiserAovs, EdgeSample};
 use crate::integrate::meter::PathShape;
 use crate::integrate::{Scratch, cost};
+use crate::math::MISS;
+use crate::scene::Scene;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
 pub use crate::film::Map;
 pub use crate::integrate::cost::Cost;
 
+/// The values of a channel, a pixel each, row by row from the top.
+pub enum ChannelValues {
+    /// Numbers.
+    Numbers(Vec<f32>),
+    /// Counts, or indices; `u32::MAX` means nothing.
+    Indices(Vec<u32>),
+}
+
 impl Renderer {
+    /// Returns a film and the AOVs of its camera as channels named `layer.channel`, for other programs.
+    ///
+    /// | channels | what |
+    /// |---|---|
+    /// | `R`, `G`, `B` | the film |
+    /// | `albedo.R` to `.B`, `normal.X` to `.Z` | the denoiser's (`guides`): in mirrors and through glass, those of what is seen there; at edges the means of several points |
+    /// | `depth.Z`, `position.X` to `.Z` | at the pixel's centre: distance from the camera, and the point in the file's coordinates; infinite, and NaN, where nothing is seen |
+    /// | `material.ID`, `object.ID` | at the pixel's centre: the material's index, and one number for each sphere and for all triangles of a material |
+    /// | `samples.N` | the number of samples |
+    pub fn channels(
+        &self,
+        scene: &Scene,
+        film: &Film,
+        guides: &DenoiserAovs,
+    ) -> Vec<(String, ChannelValues)> {
+        let (mut aovs, mut channels) = (Aovs::default(), Vec::new());
+        self.aovs_into(&mut aovs);
+        let [width, height] = film.resolution();
+        let (picture, counts) = (film.picture(), film.counts());
+        let mut add = |name: &str, values| channels.push((name.to_string(), values));
+        for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+            add(name, ChannelValues::Numbers(picture.pixels.iter().map(|pixel| pixel[channel]).collect()));
+        }
+        let of_guides = |plane: Plane, mean: &dyn Fn(&EdgeSample) -> f32| {
+            let row = |y: u32| {
+                let mut row = guides.centers().row(plane, y).to_vec();
+                for edge in guides.edges(y) {
+                    let sum: f32 = edge.samples.iter().map(mean).sum();
+                    row[edge.x as usize] = sum / edge.samples.len() as f32;
+                }
+                row
+            };
+            ChannelValues::Numbers((0..height).flat_map(row).collect())
+        };
+        let albedo = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoBlue];
+        for (channel, name) in ["albedo.R", "albedo.G", "albedo.B"].into_iter().enumerate() {
+            add(name, of_guides(albedo[channel], &|sample| sample.albedo[channel].min(1.0)));
+        }
+        let normal = [Plane::NormalX, Plane::NormalY, Plane::NormalZ];
+        for (axis, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {
+            add(name, of_guides(normal[axis], &|sample| sample.normal[axis]));
+        }
+        let pixels = || (0..height).flat_map(move |y| (0..width).map(move |x| [x, y]));
+        let point = |[x, y]: [u32; 2]| {
+            let ray = self.context.camera.rays::<f32>(x as f32 + 0.5, y as f32 + 0.5);
+            let along = ray.direction.get(0).as_dvec3() * f64::from(aovs.pixel(x, y).distance);
+            let point = scene.coordinates.to_file(ray.origin.get(0).as_dvec3() + along);
+            if point.is_finite() { point.as_vec3() } else { glam::Vec3::NAN }
+        };
+        let unit = scene.coordinates.unit as f32;
+        let distances = pixels().map(|[x, y]| aovs.pixel(x, y).distance * unit);
+        add("depth.Z", ChannelValues::Numbers(distances.collect()));
+        let points: Vec<glam::Vec3> = pixels().map(point).collect();
+        for (axis, name) in ["position.X", "position.Y", "position.Z"].into_iter().enumerate() {
+            add(name, ChannelValues::Numbers(points.iter().map(|point| point[axis]).collect()));
+        }
+        let objects: Vec<u32> = (0..height).flat_map(|y| aovs.objects(y)).copied().collect();
+        let material = |&object: &u32| match object {
+            MISS => MISS,
+            object => self.context.primitives.material_of_object(scene, object),
+        };
+        add("material.ID", ChannelValues::Indices(objects.iter().map(material).collect()));
+        add("object.ID", ChannelValues::Indices(objects));
+        add("samples.N", ChannelValues::Indices(counts.pixels.iter().map(|pixel| pixel[0] as u32).collect()));
+        channels
+    }
+
     /// Computes the AOVs of the surface at the centre of every pixel.
     pub fn aovs_into(&self, aovs: &mut Aovs) {
         aovs.resize(self.settings.resolution);

@@ -5,6 +5,7 @@ use super::identity::{Display, Identity};
 use crate::output::{CancellableWriter, Existing, OutputError, write_atomically};
 use octray_engine::camera::{MAX_PIXELS, Tile};
 use octray_engine::film::Film;
+use octray_engine::integrate::edge_aovs::DenoiserAovs;
 use octray_engine::scene::MAX_SIDE;
 use octray_engine::tone::Tone;
 use serde::{Deserialize, Serialize};
@@ -36,7 +37,17 @@ pub struct Header {
     pub rays: u64,
     /// Number of tiles in the file.
     pub tiles: u32,
+    /// Number of rows of the denoiser's AOVs behind the tiles, in a part of a picture to be denoised.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub guides: u32,
 }
+
+fn is_zero(count: &u32) -> bool {
+    *count == 0
+}
+
+/// Rows of the denoiser's AOVs: their numbers, and [`DenoiserAovs::row_words`].
+pub type GuideRows = Vec<(u32, Vec<u32>)>;
 
 /// Writes a checkpoint. Afterwards the file is complete, or as it was before. `goals` are the samples that
 /// tiles are to have at the end of the round, by tile number. Fails once `cancelled` returns true.
@@ -45,15 +56,23 @@ pub fn save(
     header: &Header,
     film: &Film,
     goals: &[u32],
+    guides: &GuideRows,
     cancelled: &dyn Fn() -> bool,
 ) -> Result<(), OutputError> {
     write_atomically(path, Existing::Replace, |inner| {
-        write(CancellableWriter { inner, cancelled }, header, film, goals)
+        write(CancellableWriter { inner, cancelled }, header, film, goals, guides)
     })
 }
 
-pub(super) fn write(out: impl Write, header: &Header, film: &Film, goals: &[u32]) -> io::Result<()> {
-    let header = Header { rays: film.rays(), tiles: film.tiles().len() as u32, ..header.clone() };
+pub(super) fn write(
+    out: impl Write,
+    header: &Header,
+    film: &Film,
+    goals: &[u32],
+    guides: &GuideRows,
+) -> io::Result<()> {
+    let (tiles, guide_rows) = (film.tiles().len() as u32, guides.len() as u32);
+    let header = Header { rays: film.rays(), tiles, guides: guide_rows, ..header.clone() };
     let text = serde_json::to_vec(&header)?;
     let mut out = Writer { inner: out, sum: crc32fast::Hasher::new() };
     out.write(&MAGIC)?;
@@ -71,7 +90,12 @@ pub(super) fn write(out: impl Write, header: &Header, film: &Film, goals: &[u32]
         words.iter_mut().for_each(|word| *word = word.to_le());
         out.write(bytemuck::cast_slice(&words))?;
     }
-    out.write_sum()
+    out.write_sum()?;
+    for (y, row) in guides {
+        let words: Vec<u32> = [*y, row.len() as u32].iter().chain(row).map(|word| word.to_le()).collect();
+        out.write(bytemuck::cast_slice(&words))?;
+    }
+    if guides.is_empty() { Ok(()) } else { out.write_sum() }
 }
 
 /// Tests whether the file begins as a checkpoint does. False if it cannot be read.
@@ -156,6 +180,15 @@ impl<R: Read> Checkpoint<R> {
     /// # Panics
     /// If the film has another resolution.
     pub fn fill(self, film: &mut Film) -> Result<Vec<u32>, CheckpointError> {
+        self.fill_with_guides(film, None)
+    }
+
+    /// Does what [`Checkpoint::fill`] does, and reads the rows of the denoiser's AOVs.
+    pub(super) fn fill_with_guides(
+        self,
+        film: &mut Film,
+        mut guides: Option<&mut DenoiserAovs>,
+    ) -> Result<Vec<u32>, CheckpointError> {
         let Self { header, mut reader } = self;
         let (Identity { settings, shard, .. }, count) = (header.identity, header.tiles);
         assert_eq!(film.resolution(), settings.resolution);
@@ -176,14 +209,26 @@ impl<R: Read> Checkpoint<R> {
             if discarded > 1 || goal > most.max(samples) {
                 return Err(reader.damaged(format!("tile {number} cannot be read")));
             }
-            let mut words = vec![0; sums.words(discarded == 1)];
-            reader.fill(bytemuck::cast_slice_mut(&mut words))?;
-            words.iter_mut().for_each(|word| *word = u32::from_le(*word));
+            let words = reader.vector(sums.words(discarded == 1))?;
             sums.restore(samples, discarded == 1, &words);
             goals.resize(sums.tile.number, 0);
             goals.push(goal);
         }
         reader.check_sum()?;
+        let most = DenoiserAovs::MAX_WORDS * settings.resolution[0] as usize;
+        for _ in 0..header.guides {
+            let [y, length] = reader.words()?;
+            if length as usize > most {
+                return Err(reader.damaged(format!("row {y} of its guides is too long")));
+            }
+            let words = reader.vector(length as usize)?;
+            if guides.as_mut().is_some_and(|guides| !guides.set_row(y, &words)) {
+                return Err(reader.damaged(format!("row {y} of its guides cannot be read")));
+            }
+        }
+        if header.guides > 0 {
+            reader.check_sum()?;
+        }
         if reader.fill(&mut [0]).is_ok() {
             return Err(reader.damaged("something follows its end"));
         }
@@ -211,6 +256,9 @@ fn check(header: &Header) -> Result<(), String> {
     }
     if !(1..=shard.count).contains(&shard.number) {
         return Err("its shard is impossible".into());
+    }
+    if header.guides > settings.resolution[1] {
+        return Err("it has more rows of guides than the picture has".into());
     }
     Ok(())
 }
@@ -241,6 +289,12 @@ impl<R: Read> Reader<R> {
         let mut words = [0; N];
         self.fill(bytemuck::cast_slice_mut(&mut words))?;
         Ok(words.map(u32::from_le))
+    }
+    fn vector(&mut self, length: usize) -> Result<Vec<u32>, CheckpointError> {
+        let mut words = vec![0; length];
+        self.fill(bytemuck::cast_slice_mut(&mut words))?;
+        words.iter_mut().for_each(|word| *word = u32::from_le(*word));
+        Ok(words)
     }
     /// Reads a checksum and compares it with that of everything before.
     fn check_sum(&mut self) -> Result<(), CheckpointError> {

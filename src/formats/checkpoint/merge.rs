@@ -5,12 +5,15 @@ use super::file::{Checkpoint, Header};
 use super::identity::Identity;
 use crate::wording::counted;
 use octray_engine::film::Film;
+use octray_engine::integrate::edge_aovs::DenoiserAovs;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::PathBuf;
 
 const MEND: &str = "give every shard of one picture once, each complete: an unfinished one goes on with its own \
                     command and --checkpoint";
+
+const MEND_GUIDES: &str = "render every shard with --denoise, or merge without it";
 
 /// The shards of one picture, each once and complete. Their headers are read, and their tiles are not yet.
 pub struct Parts<R>(Vec<Checkpoint<R>>);
@@ -49,17 +52,27 @@ impl<R: Read> Parts<R> {
         &self.0[0].header
     }
 
-    /// Reads the whole film.
-    pub fn film(self) -> Result<Film, CheckpointError> {
+    /// Reads the whole film, and the denoiser's AOVs if they are `wanted`, which each part must then have.
+    pub fn film(self, wanted: bool) -> Result<(Film, Option<DenoiserAovs>), CheckpointError> {
+        let without = self.0.iter().filter(|part| wanted && part.header.guides == 0);
+        let fault = |part: &Checkpoint<R>| {
+            format!("`{}` has nothing for --denoise: render it with this option", part.path().display())
+        };
+        let faults: Vec<String> = without.map(fault).collect();
+        if !faults.is_empty() {
+            return Err(CheckpointError::Parts { faults, mend: MEND_GUIDES });
+        }
         let settings = &self.header().identity.settings;
         let mut film = Film::new(settings.resolution, settings.tile_size);
         if settings.target.is_some() {
             film = film.with_noise();
         }
+        let mut guides = wanted.then(DenoiserAovs::default);
+        guides.iter_mut().for_each(|guides| guides.resize(film.resolution()));
         for part in self.0 {
-            part.fill(&mut film)?;
+            part.fill_with_guides(&mut film, guides.as_mut())?;
         }
-        Ok(film)
+        Ok((film, guides))
     }
 }
 

@@ -13,12 +13,14 @@
 //! | 4 | CRC-32 (ISO-HDLC, as in PNG) of everything before |
 //! | 16 + 4 m each | the tiles, in ascending order of their numbers; the header has their number |
 //! | 4 | CRC-32 of everything before |
+//! | 8 + 4 m each | of a part of a picture to be denoised: the rows of the denoiser's AOVs |
+//! | 4 | with such rows, CRC-32 of everything before |
 //!
 //! A tile begins with four words: its number, the samples that each of its pixels has, the samples that they
 //! are to have at the end of the present round of adaptive sampling, and 1 if a column of discarded samples
 //! follows, else 0. The m words of its pixels follow in the order of [`TileSums::words_into`]: compensated
 //! sums with their rounding errors, and with a target error the sums that estimate the variance. They do not
-//! depend on the width of the program's packets.
+//! depend on the width of the program's packets. A row begins with its number and m, and has m words.
 //!
 //! # Properties that must be the same to resume
 //! [`Identity`] has the version of octray and its rounding (with fused multiply-add or without), the scene's
@@ -43,6 +45,6 @@ pub mod merge;
 mod tests;
 
 pub use error::CheckpointError;
-pub use file::{Checkpoint, Header, is_checkpoint, save};
+pub use file::{Checkpoint, GuideRows, Header, is_checkpoint, save};
 pub use fingerprint::Fingerprint;
 pub use identity::{Identity, Program, Recorded, Shard};

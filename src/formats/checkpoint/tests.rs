@@ -19,7 +19,7 @@ fn film() -> (Header, Film) {
     renderer.add_samples(&mut film, 2);
     let identity = Identity::new(&scene, &settings, None, SHARD);
     let (name, display) = (scene.name, Tone::default());
-    (Header { name, identity, display, wanted: 7, complete: false, rays: 0, tiles: 0 }, film)
+    (Header { name, identity, display, wanted: 7, complete: false, rays: 0, tiles: 0, guides: 0 }, film)
 }
 
 fn empty() -> Film {
@@ -35,7 +35,7 @@ fn words(film: &Film) -> Vec<u32> {
 
 fn bytes_of(header: &Header, film: &Film, goals: &[u32]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write(&mut bytes, header, film, goals).unwrap();
+    write(&mut bytes, header, film, goals, &Vec::new()).unwrap();
     bytes
 }
 

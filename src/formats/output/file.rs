@@ -122,6 +122,43 @@ impl<W: Seek> Seek for CancellableWriter<'_, W> {
     }
 }
 
+/// A writer that inserts bytes at a place of what passes through it.
+pub(super) struct InsertingWriter<W> {
+    inner: W,
+    /// The number of bytes before the place.
+    before: usize,
+    inserted: Vec<u8>,
+}
+
+impl<W> InsertingWriter<W> {
+    pub fn new(inner: W, (before, inserted): (usize, Vec<u8>)) -> Self {
+        Self { inner, before, inserted }
+    }
+}
+
+impl<W: Write> Write for InsertingWriter<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.before == 0 {
+            self.inner.write_all(&std::mem::take(&mut self.inserted))?;
+        }
+        if self.inserted.is_empty() {
+            return self.inner.write(bytes);
+        }
+        let count = self.inner.write(&bytes[..bytes.len().min(self.before)])?;
+        self.before -= count;
+        Ok(count)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush()
+    }
+}
+
+impl<W: Seek> Seek for InsertingWriter<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.inner.seek(to)
+    }
+}
+
 /// A checked destination.
 struct Destination {
     /// The final path, with symbolic links followed.

@@ -1,11 +1,12 @@
 //! Encodes a picture as PNG, JPEG, EXR or HDR, and saves it.
 
 use super::error::OutputError;
-use super::file::{CancellableWriter, Existing, write_atomically};
+use super::file::{CancellableWriter, Existing, InsertingWriter, write_atomically};
 use crate::openexr;
 use image::codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, png::PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use octray_engine::film::Picture;
+use octray_engine::render::aovs::ChannelValues;
 use octray_engine::tone::Tone;
 use std::io::{self, Seek, Write};
 use std::path::Path;
@@ -46,16 +47,17 @@ impl Format {
     }
 }
 
-/// Encodes a picture.
+/// Encodes a picture. A `comment` in ASCII, unless it is empty, becomes part of the file's metadata.
 ///
 /// # Panics
 /// If the number of pixels is not `width · height`.
 pub fn encode(
-    mut out: impl Write + Seek,
+    out: impl Write + Seek,
     picture: &Picture,
-    format: Format,
+    (format, comment): (Format, &str),
     tone: &Tone,
 ) -> Result<(), io::Error> {
+    let mut out = InsertingWriter::new(out, comment_bytes(format, comment));
     let Picture { width, height, ref pixels } = *picture;
     assert_eq!(pixels.len(), width as usize * height as usize, "a picture has width · height pixels");
     let (eight, float) = (ExtendedColorType::Rgb8, ExtendedColorType::Rgb32F);
@@ -65,7 +67,7 @@ pub fn encode(
             let encoder = JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY);
             encoder.write_image(&tone.bytes(picture), width, height, eight)
         }
-        Format::Exr => openexr::write(&mut out, picture).map_err(ImageError::IoError),
+        Format::Exr => openexr::write(&mut out, picture, comment).map_err(ImageError::IoError),
         Format::Hdr => {
             let rounded: Vec<[f32; 3]> = pixels.iter().copied().map(round_to_rgbe).collect();
             HdrEncoder::new(&mut out).write_image(bytemuck::cast_slice(&rounded), width, height, float)
@@ -81,20 +83,68 @@ pub fn encode(
 /// Saves a picture in the format of the file name's extension. `tone` applies to PNG and JPEG only, because
 /// EXR and HDR hold linear radiance. Afterwards the file is complete, or as it was before.
 pub fn save(path: &Path, picture: &Picture, tone: &Tone) -> Result<(), OutputError> {
-    save_unless(path, picture, tone, &|| false)
+    save_unless(path, picture, (tone, ""), &|| false)
 }
 
-/// Saves a picture as [`save`] does, but fails and keeps any earlier file once `cancelled` returns true.
+/// Saves a picture as [`save`] does, with a comment in its metadata, but fails and keeps any earlier file once
+/// `cancelled` returns true.
 pub fn save_unless(
     path: &Path,
     picture: &Picture,
-    tone: &Tone,
+    (tone, comment): (&Tone, &str),
     cancelled: &dyn Fn() -> bool,
 ) -> Result<(), OutputError> {
     let format = Format::from_path(path)?;
     write_atomically(path, Existing::Replace, |inner| {
-        encode(CancellableWriter { inner, cancelled }, picture, format, tone)
+        encode(CancellableWriter { inner, cancelled }, picture, (format, comment), tone)
     })
+}
+
+/// Saves pixels of display values, 0x00RRGGBB, as PNG, with a comment in its metadata.
+pub fn save_shown(path: &Path, size: [u32; 2], pixels: &[u32], comment: &str) -> Result<(), OutputError> {
+    let bytes: Vec<u8> = pixels.iter().flat_map(|pixel| pixel.to_be_bytes().into_iter().skip(1)).collect();
+    write_atomically(path, Existing::Replace, |out| {
+        let mut out = InsertingWriter::new(out, comment_bytes(Format::Png, comment));
+        let written =
+            PngEncoder::new(&mut out).write_image(&bytes, size[0], size[1], ExtendedColorType::Rgb8);
+        written.map_err(io::Error::other)
+    })
+}
+
+/// Saves named channels of a picture's size as layers of an EXR file: see [`openexr::write_channels`].
+pub fn save_channels(
+    path: &Path,
+    size: [u32; 2],
+    channels: Vec<(String, ChannelValues)>,
+) -> Result<(), OutputError> {
+    let samples = |values| match values {
+        ChannelValues::Numbers(numbers) => openexr::FlatSamples::F32(numbers),
+        ChannelValues::Indices(indices) => openexr::FlatSamples::U32(indices),
+    };
+    let channels = channels.into_iter().map(|(name, values)| (name, samples(values))).collect();
+    write_atomically(path, Existing::Replace, |out| openexr::write_channels(out, size, channels))
+}
+
+/// Returns where a comment belongs in a file of this format, and the bytes that hold it there.
+fn comment_bytes(format: Format, comment: &str) -> (usize, Vec<u8>) {
+    let length = comment.len();
+    match format {
+        _ if comment.is_empty() => (0, Vec::new()),
+        // Behind the signature and the first chunk: a chunk of text, with its length and checksum.
+        Format::Png => {
+            let chunk = [b"tEXtComment\0", comment.as_bytes()].concat();
+            let (length, sum) = (chunk.len() as u32 - 4, crc32fast::hash(&chunk));
+            (33, [&length.to_be_bytes()[..], &chunk, &sum.to_be_bytes()].concat())
+        }
+        // Behind the first two segments, start and JFIF: a segment of comment, whose length counts itself.
+        Format::Jpeg => {
+            (20, [&[0xff, 0xfe], &(length as u16 + 2).to_be_bytes()[..], comment.as_bytes()].concat())
+        }
+        // Behind the line `#?RADIANCE`.
+        Format::Hdr => (11, format!("# {comment}\n").into_bytes()),
+        // An attribute, which `openexr::write` adds.
+        Format::Exr => (0, Vec::new()),
+    }
 }
 
 /// Rounds to the nearest colour that a Radiance file can hold: each channel is a whole number of 256ths of

@@ -73,7 +73,7 @@ fn encoded(texture: &Texture) -> Result<(&'static str, Vec<u8>), String> {
         }
         Texels::Float32(texels) => {
             let pixels = texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-            openexr::write(std::io::Cursor::new(&mut bytes), &Picture { width, height, pixels })
+            openexr::write(std::io::Cursor::new(&mut bytes), &Picture { width, height, pixels }, "")
                 .map_err(|error| error.to_string())?;
             Ok(("exr", bytes))
         }

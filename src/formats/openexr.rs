@@ -144,7 +144,7 @@ pub fn write(out: impl Write + Seek, picture: &Picture, comment: &str) -> std::i
     Image::from_layer(layer).write().non_parallel().to_buffered(out).map_err(io_error)
 }
 
-/// Writes named channels of a picture's size without loss, as [`write`] does. A name `layer.channel` makes a
+/// Writes named channels of a picture's size without loss, as [`fn@write`] does. A name `layer.channel` makes a
 /// layer.
 pub fn write_channels(
     out: impl Write + Seek,

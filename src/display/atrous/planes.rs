@@ -48,9 +48,13 @@ pub const UNFILTERED: f32 = 1e30;
 /// camera. Of 1, 1/2 and 1/4 it is the one that increased next to no error over a filter that hardly filters
 /// smooth metal, and halved the error at a roughness of 0.2.
 const SHARE_OF_LOBE: f32 = 0.25;
-/// The colour range in standard deviations of the neighbourhood. Half of it leaves 1.6 to 1.9 times the error
-/// after 16 and 64 samples, and 0.97 times after four (geometric means of four built-in scenes).
+/// The colour range of few samples, in standard deviations of the neighbourhood. Half of it leaves 1.6 to 1.9
+/// times the error after 16 and 64 samples, and 0.97 times after four (geometric means of four built-in
+/// scenes).
 const SIGMA_COLOR: f32 = 3.2;
+/// From this number of samples on, the colour range falls with their fourth root: the neighbourhood then
+/// varies more by what it shows than by noise, and filtering would do harm.
+const MANY_SAMPLES: f32 = 32.0;
 /// Pixels to each side over which the variance of colours is estimated.
 const WINDOW: i32 = 2;
 
@@ -210,7 +214,8 @@ impl<'a> Task<'a> {
             let share = L::one() / count.max(L::one());
             let mean = sum * share;
             let variance = (squares * share - mean * mean).max(L::splat(1e-10)) * L::splat(1.0 / 3.0);
-            let strictness = L::one() / (variance * L::splat(SIGMA_COLOR * SIGMA_COLOR));
+            let many = (own(Guide::Samples) * L::splat(1.0 / MANY_SAMPLES)).max(L::one());
+            let strictness = many.sqrt() / (variance * L::splat(SIGMA_COLOR * SIGMA_COLOR));
             strictness.store(&mut guides[Guide::Strictness as usize * stride + PAD + at..]);
         }
     }

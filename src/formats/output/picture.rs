@@ -86,8 +86,8 @@ pub fn save(path: &Path, picture: &Picture, tone: &Tone) -> Result<(), OutputErr
     save_unless(path, picture, (tone, ""), &|| false)
 }
 
-/// Saves a picture as [`save`] does, with a comment in its metadata, but fails and keeps any earlier file once
-/// `cancelled` returns true.
+/// Saves a picture as [`save`] does, with a comment in its metadata, but fails and keeps any earlier file
+/// once `cancelled` returns true.
 pub fn save_unless(
     path: &Path,
     picture: &Picture,

@@ -144,8 +144,8 @@ pub fn write(out: impl Write + Seek, picture: &Picture, comment: &str) -> std::i
     Image::from_layer(layer).write().non_parallel().to_buffered(out).map_err(io_error)
 }
 
-/// Writes named channels of a picture's size without loss, as [`fn@write`] does. A name `layer.channel` makes a
-/// layer.
+/// Writes named channels of a picture's size without loss, as [`fn@write`] does. A name `layer.channel` makes
+/// a layer.
 pub fn write_channels(
     out: impl Write + Seek,
     size: [u32; 2],

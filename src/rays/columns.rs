@@ -86,19 +86,23 @@ impl<'a> Rays<'a> {
     pub fn first(self, count: usize) -> Self {
         Self { count, ..self }
     }
-    /// Sets the t_max of each ray.
+    /// Sets the t_max of each ray, in units of its direction's length: only hits before it count. A ray whose
+    /// t_max is NaN or ≤ 0 hits nothing.
     pub fn until(self, t_max: &'a [f32]) -> Self {
         Self { t_max: Some(t_max), ..self }
     }
     /// Sets an exclusive lower bound for the hits of each ray: hits count at a greater t and, at this t, on
     /// primitives with a higher number. A ray with its last hit as the bound finds the next hit, also that on
-    /// the other side of a sphere. Such rays are traced one by one, and by [`crate::PrimitiveTests`] not at
-    /// all.
+    /// the other side of a sphere; a bound of 0 admits the first. Such rays are traced one by one.
+    ///
+    /// # Panics
+    /// In queries, if a column is shorter than the rays, or the structure has [`crate::PrimitiveTests`].
     pub fn beyond(self, t: &'a [f32], primitive: &'a [u32]) -> Self {
         Self { lower_bound: Some(LowerBounds { t, primitive }), ..self }
     }
-    /// Sets the candidates, all primitives that the rays can hit, if they are known. Only structures for
-    /// which [`crate::Structure::accepts_candidates`] holds read them.
+    /// Sets the candidates, all primitives that the rays can hit, if they are known. Only
+    /// [`crate::Tracer::closest_in_scene`] reads them, and only for structures for which
+    /// [`crate::Structure::accepts_candidates`] holds and rays without lower bounds; other queries test all.
     pub fn among(self, candidates: Option<&'a Candidates>) -> Self {
         Self { candidates, ..self }
     }

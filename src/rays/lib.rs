@@ -2,7 +2,8 @@
 //!
 //! A [`Structure`] is built once from a [`Geometry`] and shared by all threads. Each thread has a [`Tracer`],
 //! which owns the working memory and runs two queries on columns of rays: [`Tracer::closest`] and
-//! [`Tracer::occluded`]. This package knows only the geometry of primitives.
+//! [`Tracer::occluded`]. [`Rays::until`] ends rays, and [`Rays::beyond`] begins them behind a hit. This
+//! package knows only the geometry of primitives.
 //!
 //! ```
 //! use octray_rays::{Geometry, Hits, MISS, Rays, Sphere, Structure, Tracer};
@@ -35,7 +36,7 @@
 //! | `prepared` | rays prepared for tests: the values computed once per ray or packet |
 //! | `numbering` | the kinds of primitives, how primitives are numbered, and sets of them |
 //! | `columns` | rays and hits as columns |
-//! | `kind` | the kinds of primitives, one folder each; all primitives of a scene |
+//! | `kind` | a module for each kind: geometry, tests in leaves and lists; all primitives of a scene |
 //! | `bvh` | the bounding volume hierarchy: its builder and its check |
 //! | `traverse` | closest hit and any hit, by a list or through the hierarchy |
 //!
@@ -43,7 +44,7 @@
 //! - **Every traversal gives the same hit**, bit for bit, as testing every primitive in the order of its
 //!   [`Kind`]. The nearest t wins, and the lower index on a tie.
 //! - **Width is a type.** An equation is written once over [`lane::Lane`] and runs at widths 1, 8 and 16.
-//! - **Culling is conservative.** A test is skipped only where it finds no hit.
+//! - **Culling is conservative.** A test is skipped only where it would find no hit that counts.
 //! - **Kernels are pure.** A kernel maps values to (mask, values): it allocates nothing and never panics.
 //! - **Safe.** Only [`lane`] has `unsafe` blocks, for a few instructions.
 
@@ -55,7 +56,7 @@ pub mod kernel;
 pub mod lane;
 pub mod math;
 
-// Behind the door: public for the tests of their laws alone.
+// These modules are public only so that tests reach them.
 #[doc(hidden)]
 pub mod bvh;
 #[doc(hidden)]

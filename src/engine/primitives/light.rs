@@ -1,6 +1,6 @@
 //! Rows of the table of lights, their form over lanes, and samples of lights.
 //!
-//! Units: pdfs per solid angle, in 1/sr; 0 if the light cannot be sampled. Then only scattered rays find it.
+//! Units: pdfs per solid angle, in 1/sr.
 
 use super::{flat, sphere};
 use crate::buffers::rows::Rows;
@@ -95,6 +95,12 @@ pub(crate) enum LightKind {
 impl LightKind {
     const ALL: [Self; 4] = [Self::Sphere, Self::Triangle, Self::Parallelogram, Self::Environment];
 }
+
+// `ALL` has every kind, and the last one at its end.
+const _: () = match LightKind::ALL[LightKind::ALL.len() - 1] {
+    LightKind::Sphere | LightKind::Triangle | LightKind::Parallelogram => panic!("a kind is lacking"),
+    LightKind::Environment => assert!(LightKind::Environment as usize + 1 == LightKind::ALL.len()),
+};
 
 /// A light of the table without its probability. [`ChosenLight`] explains the fields.
 #[derive(Clone, Copy, Default)]

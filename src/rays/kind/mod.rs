@@ -117,7 +117,7 @@ impl List {
     }
 }
 
-/// The leaves of a hierarchy: for each kind, by their index.
+/// All leaves of a hierarchy, in one array for each kind.
 pub struct Leaves {
     spheres: Vec<SphereLeaf>,
     pub(crate) triangles: TriangleLeaves,

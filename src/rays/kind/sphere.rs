@@ -26,11 +26,11 @@ fn visit(ray: &Ray<f32>, number: u32, (center, radius2): (Vec3<f32>, f32), visit
 }
 
 impl Sphere {
-    /// Returns [`sphere_bounds`].
+    /// Returns the lower and upper corner of the sphere's box.
     pub fn bounds(self) -> [glam::Vec3; 2] {
         sphere_bounds(self.center, self.radius)
     }
-    /// Returns [`sphere_offset`].
+    /// Returns the offset along the normal of rays that leave the sphere.
     pub fn offset(self) -> f32 {
         sphere_offset(self.center, self.radius)
     }

@@ -12,8 +12,12 @@ use crate::kind::keep_if_nearer;
 use crate::math::{Hit, MISS};
 use crate::prepared::SingleRay;
 
-/// Improves the hits of rays with hits beyond their bounds; with `ANY`, each ray ends at the first one found.
-/// A ray's bound is in units of `1 / scale(ray)`.
+/// One plus four roundings.
+pub(super) const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
+
+/// Replaces each ray's hit by the nearest hit beyond its bound, if that is nearer; with `ANY`, a ray in a
+/// hierarchy ends at the first one found. A bound of t means t · `scale(ray)` in the structure. Hits are
+/// ordered by the t that callers get, rounded after division by the scale, so that none hides another.
 ///
 /// # Panics
 /// If the structure has the caller's tests, which find one hit of each primitive at most.
@@ -26,11 +30,17 @@ pub(super) fn improve<const ANY: bool>(
     counter: Option<&Counter>,
 ) {
     for at in 0..rays.len() {
-        let (mut hit, scale) = (hits.get(at), scale(at));
-        let accept = |found: Hit<f32>, hit: &mut Hit<f32>| {
-            let t = (f64::from(found.t) / scale) as f32;
-            if bounds.are_below(at, t, found.primitive) {
-                keep_if_nearer(true, found.primitive, [found.t, found.u, found.v], hit);
+        let (mut nearest, scale) = (hits.get(at), scale(at));
+        let rounded = |t: f32| (f64::from(t) / scale) as f32;
+        // Boxes are culled by the greatest t that rounds to that of the nearest hit.
+        let slack = if scale == 1.0 { 1.0 } else { ROUNDING };
+        let mut hit = Hit { t: nearest.t * slack, ..nearest };
+        let mut accept = |found: Hit<f32>, hit: &mut Hit<f32>| {
+            let mut key = Hit { t: rounded(nearest.t), ..nearest };
+            let is_beyond = bounds.are_below(at, rounded(found.t), found.primitive);
+            if is_beyond && keep_if_nearer(true, found.primitive, [rounded(found.t), 0.0, 0.0], &mut key) {
+                nearest = found;
+                *hit = Hit { t: found.t * slack, ..found };
             }
         };
         let ray = |padding| SingleRay::new(rays.packet(at), padding);
@@ -55,6 +65,6 @@ pub(super) fn improve<const ANY: bool>(
             }
             Primitives::Custom(_) => panic!("the caller's tests know no lower bounds"),
         }
-        hits.set(at, &hit);
+        hits.set(at, &nearest);
     }
 }

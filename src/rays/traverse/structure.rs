@@ -78,6 +78,7 @@ impl Structure {
     }
 
     fn new_with(primitives: Primitives, lanes: usize) -> Self {
+        assert!([1, 8, 16].contains(&lanes), "packets of {lanes} rays instead of 1, 8 or 16");
         Self { primitives, occluders: None, lanes }
     }
 

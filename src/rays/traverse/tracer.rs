@@ -1,15 +1,16 @@
 //! Runs queries on whole batches of rays: closest hit and any hit.
 
+use super::beyond::{self, ROUNDING};
 use super::counter::{Counter, CounterSink, Counts};
 use super::hierarchy::Hierarchy;
 use super::stack::Stack;
 use super::stream::{BATCH, Stream};
 use super::structure::{Primitives, Structure};
 use super::tile::{self, Packets, TILE};
-use super::{beyond, scalar, single};
+use super::{scalar, single};
 use crate::bvh::Trees;
 use crate::columns::{Hits, LowerBounds, Rays};
-use crate::kind::List;
+use crate::kind::{List, inclusive};
 use crate::lane::{F32x8, F32x16, NATIVE_WIDTH};
 use crate::math::{Hit, MISS, Ray};
 use crate::numbering::Candidates;
@@ -48,7 +49,7 @@ impl Traversal {
 /// The working memory of one thread, and the queries that use it.
 ///
 /// Queries improve hits: a ray ends at its t_max ([`Rays::until`]), or at the initial `t` of its hit if that
-/// is less. A ray that hits nothing keeps its `primitive`.
+/// is less. A ray that hits nothing nearer keeps its hit. Of equally near hits the lower number wins.
 #[derive(Default)]
 pub struct Tracer {
     memory: Memory,
@@ -74,8 +75,9 @@ impl Tracer {
         Self::default()
     }
 
-    /// Finds the closest hit of each ray, in world coordinates ([`crate::Coordinates`]). Directions may have
-    /// any length above 0, which is then the unit of `t`; other directions hit nothing.
+    /// Finds the closest hit of each ray, in world coordinates ([`crate::Coordinates`]). `hits` hold infinity
+    /// and [`MISS`] at first, or earlier hits. Directions may have any length from 10⁻³⁰ to 10³⁰, which is
+    /// then the unit of `t`; a length within 10⁻⁶ of 1 counts as 1. Other directions hit nothing.
     pub fn closest(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
         self.in_world::<false>(structure, rays, hits);
     }
@@ -87,7 +89,8 @@ impl Tracer {
         self.in_world::<true>(structure, rays, hits);
     }
 
-    /// Traces copies of the rays in the coordinates of the structure, with directions of unit length.
+    /// Traces copies of the rays in the coordinates of the structure, with directions of unit length. Ends
+    /// there are a few roundings too far, and hits at or behind the end that the caller gave are dropped.
     fn in_world<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, hits: &mut Hits) {
         let coordinates = structure.coordinates();
         let (mut columns, mut ends) = ([const { Vec::new() }; 6], Vec::new());
@@ -99,21 +102,30 @@ impl Tracer {
             let of_ray = origin.into_iter().chain((direction / length).as_vec3().to_array());
             columns.iter_mut().zip(of_ray).for_each(|(column, x)| column.push(x));
             let (end, scale) = (rays.t_max::<f32>(at), length / coordinates.unit);
-            let end = if end > hits.t[at] { hits.t[at] } else { end };
+            let earlier = hits.t[at];
+            let end = if end > earlier { earlier } else { end };
+            let slack = if scale == 1.0 { 1.0 } else { f64::from(ROUNDING) };
             // A NaN, as from a direction of length 0, is no hit.
-            hits.t[at] = if length > 0.0 { (f64::from(end) * scale) as f32 } else { f32::NAN };
-            ends.push((end, hits.t[at], scale));
+            hits.t[at] = if length > 0.0 { (f64::from(end) * scale * slack) as f32 } else { f32::NAN };
+            let before = std::mem::replace(&mut hits.primitive[at], MISS);
+            ends.push((end, earlier, before, scale));
         }
         let [x, y, z, dx, dy, dz] = &columns;
         let copies = Rays::new([x, y, z], [dx, dy, dz]);
         if let Some(bounds) = rays.lower_bound() {
-            self.improve_beyond::<ANY>(structure, bounds, &copies, hits, |at: usize| ends[at].2);
+            self.improve_beyond::<false>(structure, bounds, &copies, hits, |at: usize| ends[at].3);
+        } else if ANY && ends.iter().all(|(.., scale)| *scale == 1.0) {
+            self.improve::<true>(structure, &copies, hits);
         } else {
-            self.improve::<ANY>(structure, &copies, hits);
+            // With rounded ends, only the closest hit tells whether there is one before the end.
+            self.improve::<false>(structure, &copies, hits);
         }
-        for (at, (end, before, scale)) in ends.into_iter().enumerate() {
-            let is_new = hits.primitive[at] != MISS && hits.t[at] != before;
-            hits.t[at] = if is_new { (f64::from(hits.t[at]) / scale) as f32 } else { end };
+        for (at, (end, earlier, before, scale)) in ends.into_iter().enumerate() {
+            let t = (f64::from(hits.t[at]) / scale) as f32;
+            // A hit as near as an earlier one counts if its number is lower.
+            let (found, lower) = (hits.primitive[at], if end == earlier { before } else { 0 });
+            let is_new = found != MISS && (t < end || t == end && lower != MISS && found < lower);
+            (hits.t[at], hits.primitive[at]) = if is_new { (t, found) } else { (end, before) };
         }
     }
 
@@ -260,13 +272,19 @@ fn trace_list(
 
 /// Improves hits by [`List::trace`] for whole packets, and one by one for the remaining rays.
 fn improve_by_list(list: &List, lanes: usize, rays: &Rays, hits: &mut Hits, counter: Option<&Counter>) {
-    let ends = hits.t[..rays.len()].to_vec();
-    let (before, rays) = (hits.primitive[..rays.len()].to_vec(), rays.until(&ends));
+    let before: Vec<_> = (0..rays.len()).map(|at| hits.get(at)).collect();
+    // A hit as near as that before counts if its number is lower.
+    let end = |hit: &Hit<f32>| if hit.primitive == MISS { hit.t } else { inclusive(hit.t) };
+    let ends: Vec<f32> = before.iter().map(end).collect();
+    let rays = rays.until(&ends);
     for (range, lanes) in rays.in_packets(lanes) {
         trace_list(list, lanes, &rays.range(range.clone()), &mut hits.range(range), None, counter);
     }
-    for (found, before) in hits.primitive.iter_mut().zip(before) {
-        *found = if *found == MISS { before } else { *found };
+    for (at, before) in before.iter().enumerate() {
+        let found = hits.get(at);
+        if found.primitive == MISS || found.t == before.t && found.primitive >= before.primitive {
+            hits.set(at, before);
+        }
     }
 }
 

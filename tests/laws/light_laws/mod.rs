@@ -3,6 +3,7 @@
 
 mod choice;
 mod frames;
+mod hits;
 mod shapes;
 
 use crate::common::*;

@@ -144,7 +144,7 @@ fn frames(scene: &SceneChart) -> Figure {
         Line { figure, ..line(frames.configuration, number(frames.configuration), points) }
     });
     let (threads, seeds) = scene.frames.first().map_or((1, 0), |frames| (frames.threads, frames.seeds));
-    let runs = (threads, counted(seeds, "seed", "seeds"));
+    let runs = format!("{}, {}", counted(threads, "thread", "threads"), counted(seeds, "seed", "seeds"));
     let note = "Numbers: passes (one sample per pixel) per second.";
     let x = "seconds of accumulation".into();
     of_frames(scene, "accumulation in a window", runs, note, x, lines.collect())
@@ -159,7 +159,7 @@ fn display(scene: &SceneChart) -> Figure {
         line(filter, number, shown.map(|shown| Some([time(shown), shown.rmse?.median])))
     });
     let (threads, seeds) = scene.display.first().map_or((1, 0), |shown| (shown.threads, shown.seeds));
-    let runs = (threads, counted(seeds, "seed", "seeds"));
+    let runs = format!("{}, {}", counted(threads, "thread", "threads"), counted(seeds, "seed", "seeds"));
     let note = "From left to right: 1, 4 and 16 samples a pixel. The time includes the filter.";
     let x = format!("time, × rendering one pass ({} ms)", figure(unit, 2));
     of_frames(scene, "a picture with display filters", runs, note, x, lines.collect())
@@ -177,7 +177,7 @@ fn motion(scene: &SceneChart) -> Figure {
         Line { figure, look: Look::Plain, ..line }
     });
     let (frames, threads) = scene.motion.first().map_or((0, 1), |moving| (moving.frames, moving.threads));
-    let runs = (threads, counted(frames, "frame", "frames"));
+    let runs = format!("{}, {}", counted(threads, "thread", "threads"), counted(frames, "frame", "frames"));
     let note = "From top to bottom: unfiltered, reprojected, reprojected and denoised. Numbers: how much reprojection lowers the error.";
     let x = "time of a frame, × rendering it".into();
     of_frames(scene, "one pass a frame, in motion", runs, note, x, lines.collect())
@@ -189,19 +189,19 @@ fn line(name: &str, number: usize, points: impl Iterator<Item = Option<[f64; 2]>
     Line { name: name.into(), look, number, points: points.flatten().collect(), ..Line::default() }
 }
 
-/// Draws RMSE in one plane; `runs` are the threads, and how often they measured.
+/// Draws RMSE in one plane; `runs` says how many threads measured, and how often.
 fn of_frames(
     scene: &SceneChart,
     what: &str,
-    (threads, runs): (usize, String),
+    runs: String,
     note: &str,
     x: String,
     lines: Vec<Line>,
 ) -> Figure {
     let title = format!("{}: {what}", scene.scene);
-    let ([width, height], threads) = (scene.frame_size, counted(threads, "thread", "threads"));
+    let [width, height] = scene.frame_size;
     let unknown = "Left out: points whose error cannot be told from that of the ground truth.";
-    let notes = vec![format!("{width}×{height}, {threads}, {runs}."), note.into(), unknown.into()];
+    let notes = vec![format!("{width}×{height}, {runs}."), note.into(), unknown.into()];
     Figure { title, notes, x, y: RMSE.into(), panels: vec![Panel { lines, ..Panel::default() }] }
 }
 

@@ -16,32 +16,27 @@ use std::time::Duration;
 /// Render a picture into a file.
 ///
 /// The file's ending decides its format: .png and .jpg for display, .exr and .hdr for linear radiance. It
-/// replaces an existing one. The first limit reached ends the rendering.
-///
-/// --denoise filters the picture along the surfaces that are seen: clean after few samples, and the less it
-/// changes the more samples there are; the raw film, without bias, is kept beside it.
+/// replaces an existing one.
 ///
 /// --target-error estimates the error of blocks of 16×16 pixels after 16, 32, 64, … samples: the root mean
 /// square of the standard errors of their luminance, relative to it, or to the block's mean where a pixel is
-/// brighter, or to a tenth of the picture's brightness where it is darker. Blocks that reach the target stop.
-/// It can miss light that hardly any sample finds, such as caustics; blocks that stop too early are too dark,
-/// by less than 0.02 % in most scenes, by some per cent where one path in ten thousand brings much light.
+/// brighter, or to a tenth of the picture's brightness where it is darker. It can miss light that hardly any
+/// sample finds, such as caustics; blocks that stop too early are too dark, in most scenes by less than 0.02
+/// %.
 ///
 /// A view (.json, format octray-view-1) has defaults for options in its `render`; any limit given replaces
 /// its samples. With --checkpoint the same command goes on after a crash, Ctrl-C or a time limit, also with
 /// more --samples, to the bits of one run; time limits count from each start and frame. A checkpoint of
-/// another scene, setting, version or rounding is refused. If it cannot be saved, a warning says so and the
-/// rendering goes on; if not at the end either, the exit code is 2. With --shard, part I of N has every N-th
-/// tile of 16×16 pixels, and `octray merge` joins the parts into the bits of one run. A part that
-/// --checkpoint names too goes on where it was interrupted.
+/// another scene, setting, version or rounding is refused. If it cannot be saved, a warning says so; if not
+/// at the end either, the exit code is 2. With --shard, part I of N has every N-th tile of 16×16 pixels, and
+/// `octray merge` joins the parts into the bits of one run; a part that --checkpoint names too goes on.
 ///
-/// Ctrl-C, SIGTERM and SIGHUP write the picture so far, with exit code 130 and `interrupted` in JSON: some
-/// pixels may have one sample more than others, and those without one are black. A second Ctrl-C writes
-/// nothing.
+/// Ctrl-C, SIGTERM and SIGHUP write the picture so far (exit code 130); pixels without a sample are black. A
+/// second one writes nothing.
 #[derive(Debug, clap::Parser)]
 #[command(after_long_help = "Examples:
   octray render builtin:three -o three.png
-  octray render scene.json -o scene.exr --samples 1024 --size 1920x1080
+  octray render scene.json -o scene.png --samples 64 --size 1920x1080 --denoise
   octray render scene.json -o scene.png --target-error 0.05 --time-limit 600
   octray render scene.json -o scene.exr --samples 4096 --checkpoint scene.part
   octray render scene.json -o 3.part --samples 4096 --shard 3/8
@@ -57,7 +52,7 @@ pub struct RenderOptions {
     /// Denoise the picture; the raw film goes to FILE's name with .raw.exr.
     #[arg(long)]
     pub denoise: bool,
-    /// Also write what each pixel shows, as layers (.exr): albedo, normal, depth, position, material, object.
+    /// Also write albedo, normal, depth and more as layers (.exr).
     #[arg(long, value_name = "FILE", help_heading = LONG, hide_short_help = true)]
     pub aovs: Option<PathBuf>,
     /// Also write the samples of each pixel (.exr: numbers, .png: shades).

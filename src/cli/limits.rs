@@ -16,11 +16,10 @@ const LEAST_SAMPLES: u32 = 16;
 /// Fewest samples from which a variance can be estimated.
 const FEWEST_SAMPLES: u32 = crate::film::noise::GROUP;
 
-const LIMITS: &str = "When to stop";
-const SAMPLES_HELP: &str = "Samples per pixel (or --spp): four times as many halve the noise [default: 64; with \
-     --target-error at most 16384; with --time-limit as many as fit]";
-const TARGET_HELP: &str = "Stop at a relative standard error of E, such as 0.05 for five per cent, over the \
-     picture, and of 2 E in every block of 16×16 pixels";
+const LIMITS: &str = "When to stop, at the first limit reached";
+const SAMPLES_HELP: &str = "Samples per pixel (or --spp) [default: 64; with --target-error at most \
+     16384; with --time-limit as many as fit]";
+const TARGET_HELP: &str = "Stop at this relative standard error, such as 0.05 (in blocks, twice)";
 
 /// When a rendering ends: at the limit that is reached first.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]

@@ -42,7 +42,8 @@ pub fn save(
     let picture = film.picture();
     save_unless(raw, &picture, (&Tone::default(), ""), &interrupt::insisted)?;
     let counts: Vec<f32> = film.counts().pixels.iter().map(|pixel| pixel[0]).collect();
-    let comment = format!("denoised by octray; mean samples of a pixel: {}", film.mean_samples());
+    let mean = (10.0 * film.mean_samples()).round() / 10.0;
+    let comment = format!("denoised by octray; mean samples of a pixel: {mean}");
     let mut denoiser = Denoiser::default();
     let denoised = denoiser.filter(&picture, Samples::Each(&counts), guides);
     save_unless(output, denoised, (tone, &comment), &interrupt::insisted)
@@ -54,6 +55,12 @@ pub fn line(raw: &Path) -> String {
 }
 
 /// Saves the AOVs of a film's camera, and the film itself, as layers of one EXR file.
-pub fn save_aovs(file: &Path, renderer: &Renderer, scene: &Scene, film: &Film) -> Result<(), OutputError> {
-    output::save_channels(file, film.resolution(), renderer.channels(scene, film, &guides(renderer)))
+pub fn save_aovs(
+    file: &Path,
+    renderer: &Renderer,
+    scene: &Scene,
+    film: &Film,
+    guides: &DenoiserAovs,
+) -> Result<(), OutputError> {
+    output::save_channels(file, film.resolution(), renderer.channels(scene, film, guides))
 }

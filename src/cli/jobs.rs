@@ -49,7 +49,7 @@ pub struct RenderOptions {
     pub output: PathBuf,
     #[command(flatten)]
     pub limits: LimitOptions,
-    /// Denoise the picture; the raw film goes to FILE's name with .raw.exr.
+    /// Denoise (softens sharp shadows); the raw film is FILE.raw.exr.
     #[arg(long)]
     pub denoise: bool,
     /// Also write albedo, normal, depth and more as layers (.exr).
@@ -185,6 +185,7 @@ fn check(Job { output, shard, checkpoint, samples_map, raw, aovs, .. }: &Job) ->
         check_checkpoint("--checkpoint", file, "a checkpoint is no picture")?;
         output::remove_leftovers(file);
         output::remove_leftovers(output);
+        raw.iter().chain(aovs).for_each(|file| output::remove_leftovers(file));
     }
     Ok(())
 }

@@ -20,9 +20,15 @@ pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Checks a film, which needs more memory to estimate errors.
-pub fn check_film(size: [u32; 2], with_noise: bool) -> Result<(), CliError> {
-    check(size, Film::BYTES_PER_PIXEL + if with_noise { Noise::BYTES_PER_PIXEL } else { 0 })
+/// What `--denoise` takes for a pixel: AOVs and those of the denoiser, 48 bytes each, and its working memory.
+/// `--aovs` takes less.
+const DENOISER_BYTES_PER_PIXEL: usize = 190;
+
+/// Checks a film, which needs more memory to estimate errors and to be denoised.
+pub fn check_film(size: [u32; 2], with_noise: bool, with_aovs: bool) -> Result<(), CliError> {
+    let more = [(with_noise, Noise::BYTES_PER_PIXEL), (with_aovs, DENOISER_BYTES_PER_PIXEL)];
+    let more = more.into_iter().filter(|(is_taken, _)| *is_taken).map(|(_, bytes)| bytes);
+    check(size, Film::BYTES_PER_PIXEL + more.sum::<usize>())
 }
 
 /// Returns the reason why a picture of this size is refused, without printing a warning.

@@ -34,7 +34,7 @@ pub struct Options {
     /// Tone: clamp, reinhard, aces [default: the parts'].
     #[arg(long, value_name = "OPERATOR", value_parser = choice::<Operator>(), hide_possible_values = true)]
     tone: Option<Operator>,
-    /// Also denoise it; the raw film goes to FILE's name with .raw.exr.
+    /// Denoise (softens sharp shadows); the raw film is FILE.raw.exr.
     #[arg(long)]
     denoise: bool,
     /// Print the report as JSON (schema octray-merge-1).
@@ -53,7 +53,8 @@ struct Report {
     samples: u32,
     rays: u64,
     discarded_samples: u64,
-    denoised: bool,
+    /// Path of the raw film, if the picture is denoised.
+    raw: Option<PathBuf>,
 }
 
 pub fn run(options: Options) -> Result<ExitCode, CliError> {
@@ -66,7 +67,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
     let parts = Parts::open(&options.parts)?;
     let header = parts.header().clone();
     let settings = &header.identity.settings;
-    memory::check_film(settings.resolution, settings.target.is_some())?;
+    memory::check_film(settings.resolution, settings.target.is_some(), options.denoise)?;
     let (film, guides) = parts.film(options.denoise)?;
     let [width, height] = settings.resolution;
     let report = Report {
@@ -79,7 +80,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         samples: film.samples(),
         rays: film.rays(),
         discarded_samples: film.discarded(),
-        denoised: options.denoise,
+        raw: raw.clone(),
     };
     let shown = header.display;
     let tone = Tone {

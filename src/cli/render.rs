@@ -48,7 +48,8 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
 
     let (settings, tone) = (options.picture.settings(&scene), options.picture.tone(&scene));
     let (run_settings, differing) = options.picture.run_settings(&scene);
-    memory::check_film(settings.resolution, limits.target.is_some())?;
+    let with_aovs = options.denoise || options.aovs.is_some();
+    memory::check_film(settings.resolution, limits.target.is_some(), with_aovs)?;
     let tiles = Tile::cover(settings.resolution, settings.tile_size).count();
     if let Some(shard) = jobs[0].shard.filter(|shard| shard.count as usize > tiles) {
         let tiles = counted(tiles, "tile", "tiles");
@@ -162,14 +163,17 @@ impl Rendering {
         let is_judged = first && job.shard.is_none() && traced.end != End::Interrupt;
         let odd = if is_judged { diagnosis::warnings(renderer, scene, &film, tone) } else { Vec::new() };
         let begun = film.pixels_begun() as f64 / film.pixels() as f64;
-        let save_aovs = |file| denoise::save_aovs(file, renderer, scene, &film);
-        let aovs = job.aovs.as_deref().map_or(Ok(()), save_aovs);
-        let guides = report.raw.as_ref().map(|_| denoise::guides(renderer));
+        interrupt::hold();
+        let guides = (report.denoised || job.aovs.is_some()).then(|| denoise::guides(renderer));
+        let aovs = match (&job.aovs, &guides) {
+            (Some(file), Some(guides)) => denoise::save_aovs(file, renderer, scene, &film, guides),
+            _ => Ok(()),
+        };
+        let guides = guides.filter(|_| report.denoised);
         if last {
             // Frees memory for the encoder.
             *prepared = None;
         }
-        interrupt::hold();
         let complete = matches!(traced.end, End::Samples | End::TargetError);
         let kept = writer.map_or(Ok(()), |mut writer| writer.finish(&film, &traced.goals, complete));
         let saved = match header.filter(|_| job.shard.is_some()) {
@@ -186,7 +190,7 @@ impl Rendering {
             return Ok(ExitCode::from(INTERRUPTED));
         }
         saved?;
-        if job.raw.is_some() && report.raw.is_none() {
+        if job.raw.is_some() && !report.denoised {
             terminal::warn("the picture is not denoised: some of its pixels have no sample.");
         }
         odd.iter().for_each(|odd| terminal::warn(&format!("{odd}.")));
@@ -225,6 +229,9 @@ impl Rendering {
         let picture = film.picture();
         // Frees memory for the encoder.
         drop(film);
+        if let Some(raw) = &job.raw {
+            output::save_unless(raw, &picture, (&Tone::default(), ""), &interrupt::insisted)?;
+        }
         output::save_unless(&job.output, &picture, (&self.tone, ""), &interrupt::insisted)
     }
 
@@ -237,7 +244,8 @@ impl Rendering {
         }
         let out = Printer { json: self.options.json };
         out.text(&report.line(self.limits.samples, begun, &self.differing))?;
-        out.text(&report.raw.as_deref().map(denoise::line).unwrap_or_default())?;
+        let raw = report.raw.as_deref().filter(|_| report.denoised);
+        out.text(&raw.map(denoise::line).unwrap_or_default())?;
         if let Some(taken) = &report.stats {
             out.text(&(stats::frames("stage", &[taken]) + &stats::meaning_of_frames()))?;
         }
@@ -257,8 +265,9 @@ impl Rendering {
             frame: job.frame,
             shard: job.shard.map(|Shard { number, count }| [number, count]),
             output: job.output.display().to_string(),
+            raw: job.raw.clone(),
             // Pixels without a sample are black, and would darken their neighbours.
-            raw: job.raw.clone().filter(|_| film.pixels_begun() == film.pixels()),
+            denoised: job.raw.is_some() && film.pixels_begun() == film.pixels(),
             width,
             height,
             samples: film.samples(),

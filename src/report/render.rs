@@ -33,9 +33,11 @@ pub struct Report {
     pub shard: Option<[u32; 2]>,
     /// Path of the picture, or of the part of a shard.
     pub output: String,
-    /// Path of the raw film, if the picture is denoised.
+    /// Path of the raw film with `--denoise`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raw: Option<PathBuf>,
+    /// Whether the picture is denoised: all of its pixels have samples.
+    pub denoised: bool,
     pub width: u32,
     pub height: u32,
     /// The fewest samples of a pixel.

@@ -64,6 +64,12 @@ fn shards_are_denoised_when_they_are_merged_and_frames_each() {
     assert!(desk.bytes("raw.exr") == desk.bytes("whole.raw.exr"), "rows of AOVs change no film");
     desk.run(&format!("{picture} --shard 1/3 -o raw-1.part"));
     desk.refuses("merge raw-1.part 2.part 3.part -o a.png --denoise", &["`raw-1.part`", "--denoise"]);
+    // More parts than rows.
+    let picture = "render builtin:three --size 100x3 --samples 2 --denoise";
+    (1..=5).for_each(|part| drop(desk.run(&format!("{picture} --shard {part}/5 -o wide-{part}.part"))));
+    desk.run("merge wide-1.part wide-2.part wide-3.part wide-4.part wide-5.part -o wide.png --denoise");
+    desk.run(&format!("{picture} -o a.png"));
+    assert!(desk.bytes("a.png") == desk.bytes("wide.png"));
     desk.write(
         "view.json",
         r#"{ "format": "octray-view-1", "scene": "builtin:three", "keyframes": [
@@ -81,7 +87,21 @@ fn pictures_with_pixels_without_samples_are_not_denoised() {
     let desk = Desk::new();
     let said = desk.warnings("render builtin:cornell --size 4000x3000 --time-limit 0.001 --denoise -o a.exr");
     assert!(said.contains("not denoised"), "{said}");
-    assert!(!desk.path("a.raw.exr").exists());
+    assert!(desk.bytes("a.raw.exr") == desk.bytes("a.exr"));
+}
+
+/// What glows and scatters has an emission that no guide tells from noise.
+#[test]
+fn surfaces_that_scatter_and_emit_are_left_as_they_are() {
+    let desk = Desk::new();
+    let glows = crate::desk::SCENE
+        .replace(r#""type": "diffuse","#, r#""type": "diffuse", "emission": [0.5, 0.1, 0],"#);
+    desk.write("glows.json", glows);
+    for (scene, is_left) in [("glows", true), ("scene", false)] {
+        desk.run(&format!("render {scene}.json --size 33x33 --samples 2 --denoise -o a.exr"));
+        let [clean, raw] = ["a.exr", "a.raw.exr"].map(|file| desk.pixels(file)[16 * 33 + 16]);
+        assert_eq!(clean == raw, is_left, "{scene}: {clean:?} {raw:?}");
+    }
 }
 
 #[test]

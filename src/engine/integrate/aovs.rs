@@ -47,7 +47,8 @@ pub enum Plane {
     /// share of metal-rough, roughness for the fuzzy mirror; 0 for mirrors and glass; 1 for every other
     /// surface and share, and for pixels without a surface.
     Lobe,
-    /// Radiance over albedo for emissive surfaces and the environment; 0 for every other surface.
+    /// Radiance over albedo for emitters and the environment; −1 for surfaces that scatter and emit, whose
+    /// radiance is not known; 0 for every other surface.
     Scale,
     /// The bits of [`AovSample::object`].
     Object,
@@ -223,7 +224,9 @@ impl Seen {
             let width = L::select(is(MaterialCode::METAL_ROUGH), metal_rough, width);
             seen.normal = Vec3::select(found, facing, normal);
             seen.albedo = Vec3::select(found, color, seen.albedo);
-            seen.scale = L::select(found, of_color, seen.scale);
+            let emission = material.emission.x + material.emission.y + material.emission.z;
+            let glows = zero.lt(emission) & !is(MaterialCode::EMITTER);
+            seen.scale = L::select(found, L::select(glows, -one, of_color), seen.scale);
             seen.lobe = L::select(found, width, lobe);
             seen.object = B::select(found, surface.object(&context.primitives, hit), object);
             seen.surface = Some((surface, material));

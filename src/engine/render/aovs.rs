@@ -54,13 +54,15 @@ impl Renderer {
                     let sum: f32 = edge.samples.iter().map(mean).sum();
                     row[edge.x as usize] = sum / edge.samples.len() as f32;
                 }
+                // What glows has its radiance as albedo.
+                row.iter_mut().for_each(|value| *value = value.min(1.0));
                 row
             };
             ChannelValues::Numbers((0..height).flat_map(row).collect())
         };
         let albedo = [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoBlue];
         for (channel, name) in ["albedo.R", "albedo.G", "albedo.B"].into_iter().enumerate() {
-            add(name, of_guides(albedo[channel], &|sample| sample.albedo[channel].min(1.0)));
+            add(name, of_guides(albedo[channel], &|sample| sample.albedo[channel]));
         }
         let normal = [Plane::NormalX, Plane::NormalY, Plane::NormalZ];
         for (axis, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {

@@ -216,10 +216,10 @@ impl<R: Read> Checkpoint<R> {
         }
         reader.check_sum()?;
         let most = DenoiserAovs::MAX_WORDS * settings.resolution[0] as usize;
-        for _ in 0..header.guides {
+        for expected in (shard.number - 1..).step_by(shard.count as usize).take(header.guides as usize) {
             let [y, length] = reader.words()?;
-            if length as usize > most {
-                return Err(reader.damaged(format!("row {y} of its guides is too long")));
+            if y != expected || length as usize > most {
+                return Err(reader.damaged(format!("row {y} of its guides is not where it should be")));
             }
             let words = reader.vector(length as usize)?;
             if guides.as_mut().is_some_and(|guides| !guides.set_row(y, &words)) {
@@ -257,8 +257,8 @@ fn check(header: &Header) -> Result<(), String> {
     if !(1..=shard.count).contains(&shard.number) {
         return Err("its shard is impossible".into());
     }
-    if header.guides > settings.resolution[1] {
-        return Err("it has more rows of guides than the picture has".into());
+    if header.guides > shard.rows(settings.resolution[1]) {
+        return Err("it has more rows of guides than its shard".into());
     }
     Ok(())
 }

@@ -13,7 +13,8 @@ use std::path::PathBuf;
 const MEND: &str = "give every shard of one picture once, each complete: an unfinished one goes on with its own \
                     command and --checkpoint";
 
-const MEND_GUIDES: &str = "render every shard with --denoise, or merge without it";
+const MEND_GUIDES: &str =
+    "render every shard with --denoise (a whole picture with --shard 1/1), or merge without it";
 
 /// The shards of one picture, each once and complete. Their headers are read, and their tiles are not yet.
 pub struct Parts<R>(Vec<Checkpoint<R>>);
@@ -54,7 +55,11 @@ impl<R: Read> Parts<R> {
 
     /// Reads the whole film, and the denoiser's AOVs if they are `wanted`, which each part must then have.
     pub fn film(self, wanted: bool) -> Result<(Film, Option<DenoiserAovs>), CheckpointError> {
-        let without = self.0.iter().filter(|part| wanted && part.header.guides == 0);
+        let lacks = |part: &&Checkpoint<R>| {
+            let Identity { shard, settings, .. } = &part.header.identity;
+            part.header.guides != shard.rows(settings.resolution[1])
+        };
+        let without = self.0.iter().filter(|part| wanted && lacks(part));
         let fault = |part: &Checkpoint<R>| {
             format!("`{}` has nothing for --denoise: render it with this option", part.path().display())
         };

@@ -29,12 +29,12 @@ fn render_reports_in_json_what_it_did() {
     let expected = json!({
         "schema": "octray-render-1", "scene": "scene.json", "output": "a.exr", "width": 4, "height": 3,
         "samples": 2, "most_samples": 2, "mean_samples": 2.0, "max_bounces": 1, "seed": 7,
-        "discarded_samples": 0, "interrupted": false, "ended_by": "samples",
+        "discarded_samples": 0, "interrupted": false, "denoised": false, "ended_by": "samples",
         "time_limit": null, "target_error": null, "estimated_error": null
     });
     assert_has(&report, &expected);
     assert!(report["seconds"].is_f64() && report["mrays_per_s"].is_f64() && report["rays"].is_u64());
-    assert_eq!(report.as_object().unwrap().len(), 22);
+    assert_eq!(report.as_object().unwrap().len(), 23);
 }
 
 #[test]

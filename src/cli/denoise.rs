@@ -3,10 +3,10 @@
 use super::interrupt;
 use crate::checkpoint::{GuideRows, Shard};
 use crate::display::{Denoiser, Samples};
-use crate::film::Film;
+use crate::film::{Film, Picture};
 use crate::integrate::aovs::Aovs;
 use crate::integrate::edge_aovs::DenoiserAovs;
-use crate::output::{self, OutputError, save_unless};
+use crate::output::{OutputError, save_channels, save_unless};
 use crate::render::Renderer;
 use crate::scene::Scene;
 use crate::tone::Tone;
@@ -17,36 +17,45 @@ pub fn raw_file(output: &Path) -> PathBuf {
     output.with_extension("raw.exr")
 }
 
-/// Computes the denoiser's AOVs at the renderer's camera.
-pub fn guides(renderer: &Renderer) -> DenoiserAovs {
+/// Computes the AOVs at the renderer's camera, and those of the denoiser.
+pub fn aovs(renderer: &Renderer) -> (Aovs, DenoiserAovs) {
     let (mut first, mut guides) = (Aovs::default(), DenoiserAovs::default());
     renderer.aovs_into(&mut first);
     renderer.denoiser_aovs_into(&first, &mut guides);
-    guides
+    (first, guides)
 }
 
-/// Returns the rows of a shard: every `count`-th one.
-pub fn rows_of_shard(guides: &DenoiserAovs, Shard { number, count }: Shard) -> GuideRows {
-    let rows = (number - 1..guides.centers().resolution()[1]).step_by(count as usize);
-    rows.map(|y| (y, guides.row_words(y))).collect()
+/// Returns the rows of the denoiser's AOVs that a shard keeps.
+pub fn rows_of_shard(guides: &DenoiserAovs, shard: Shard) -> GuideRows {
+    shard.rows(guides.centers().resolution()[1]).map(|y| (y, guides.row_words(y))).collect()
 }
 
-/// Saves a film denoised, and raw. The picture's metadata say that it is denoised, and of how many samples.
+/// Saves a film as a picture, and as a `raw` one beside it; fails and leaves no file after a second Ctrl-C.
+/// With `guides` the picture is denoised, and its metadata say so, and of how many samples.
 pub fn save(
     output: &Path,
-    raw: &Path,
-    film: &Film,
-    guides: &DenoiserAovs,
+    raw: Option<&Path>,
+    film: Film,
+    guides: Option<&DenoiserAovs>,
     tone: &Tone,
 ) -> Result<(), OutputError> {
+    let save = |file: &Path, picture: &Picture, tone: &Tone, comment: &str| {
+        save_unless(file, picture, (tone, comment), &interrupt::insisted)
+    };
     let picture = film.picture();
-    save_unless(raw, &picture, (&Tone::default(), ""), &interrupt::insisted)?;
-    let counts: Vec<f32> = film.counts().pixels.iter().map(|pixel| pixel[0]).collect();
-    let mean = (10.0 * film.mean_samples()).round() / 10.0;
-    let comment = format!("denoised by octray; mean samples of a pixel: {mean}");
+    let samples = guides.map(|_| (film.counts(), (10.0 * film.mean_samples()).round() / 10.0));
+    // Frees memory for the encoder.
+    drop(film);
+    if let Some(raw) = raw {
+        save(raw, &picture, &Tone::default(), "")?;
+    }
+    let Some((guides, (counts, mean))) = guides.zip(samples) else {
+        return save(output, &picture, tone, "");
+    };
+    let counts: Vec<f32> = counts.pixels.iter().map(|pixel| pixel[0]).collect();
     let mut denoiser = Denoiser::default();
     let denoised = denoiser.filter(&picture, Samples::Each(&counts), guides);
-    save_unless(output, denoised, (tone, &comment), &interrupt::insisted)
+    save(output, denoised, tone, &format!("denoised by octray; mean samples of a pixel: {mean}"))
 }
 
 /// Returns a line for the report of a denoised picture.
@@ -60,7 +69,7 @@ pub fn save_aovs(
     renderer: &Renderer,
     scene: &Scene,
     film: &Film,
-    guides: &DenoiserAovs,
+    aovs: &(Aovs, DenoiserAovs),
 ) -> Result<(), OutputError> {
-    output::save_channels(file, film.resolution(), renderer.channels(scene, film, guides))
+    save_channels(file, film.resolution(), renderer.channels(scene, film, aovs))
 }

@@ -21,8 +21,7 @@ use std::time::Duration;
 /// --target-error estimates the error of blocks of 16×16 pixels after 16, 32, 64, … samples: the root mean
 /// square of the standard errors of their luminance, relative to it, or to the block's mean where a pixel is
 /// brighter, or to a tenth of the picture's brightness where it is darker. It can miss light that hardly any
-/// sample finds, such as caustics; blocks that stop too early are too dark, in most scenes by less than 0.02
-/// %.
+/// sample finds, such as caustics; blocks that stop too early are too dark, mostly by less than 0.02 %.
 ///
 /// A view (.json, format octray-view-1) has defaults for options in its `render`; any limit given replaces
 /// its samples. With --checkpoint the same command goes on after a crash, Ctrl-C or a time limit, also with

@@ -20,8 +20,8 @@ pub fn check(size: [u32; 2], bytes_per_pixel: usize) -> Result<(), CliError> {
     Ok(())
 }
 
-/// What `--denoise` takes for a pixel: AOVs and those of the denoiser, 48 bytes each, and its working memory.
-/// `--aovs` takes less.
+/// The bytes that `--denoise` takes for a pixel: 48 each for the AOVs and those of the denoiser, and its
+/// working memory. `--aovs` takes less.
 const DENOISER_BYTES_PER_PIXEL: usize = 190;
 
 /// Checks a film, which needs more memory to estimate errors and to be denoised.

@@ -87,16 +87,7 @@ pub fn run(options: Options) -> Result<ExitCode, CliError> {
         exposure: options.exposure.unwrap_or(shown.exposure),
         operator: options.tone.unwrap_or(shown.operator),
     };
-    match (&raw, &guides) {
-        (Some(raw), Some(guides)) => {
-            denoise::save(&options.output, raw, &film, guides, &tone)?;
-        }
-        _ => {
-            let picture = film.picture();
-            drop(film);
-            output::save(&options.output, &picture, &tone)?;
-        }
-    }
+    denoise::save(&options.output, raw.as_deref(), film, guides.as_ref(), &tone)?;
     let out = Printer { json: options.json };
     let (samples, parts) = (grouped(report.samples), counted(report.parts, "part", "parts"));
     let denoised = raw.map_or(String::new(), |raw| denoise::line(&raw));

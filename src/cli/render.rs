@@ -145,7 +145,7 @@ impl Rendering {
             _ => None,
         };
         let kept_rows = match job.shard.filter(|_| options.denoise) {
-            Some(shard) => denoise::rows_of_shard(&denoise::guides(renderer), shard),
+            Some(shard) => denoise::rows_of_shard(&denoise::aovs(renderer).1, shard),
             None => Vec::new(),
         };
         if let Some(writer) = &mut writer {
@@ -164,12 +164,12 @@ impl Rendering {
         let odd = if is_judged { diagnosis::warnings(renderer, scene, &film, tone) } else { Vec::new() };
         let begun = film.pixels_begun() as f64 / film.pixels() as f64;
         interrupt::hold();
-        let guides = (report.denoised || job.aovs.is_some()).then(|| denoise::guides(renderer));
-        let aovs = match (&job.aovs, &guides) {
-            (Some(file), Some(guides)) => denoise::save_aovs(file, renderer, scene, &film, guides),
+        let seen = (report.denoised || job.aovs.is_some()).then(|| denoise::aovs(renderer));
+        let aovs = match (&job.aovs, &seen) {
+            (Some(file), Some(seen)) => denoise::save_aovs(file, renderer, scene, &film, seen),
             _ => Ok(()),
         };
-        let guides = guides.filter(|_| report.denoised);
+        let guides = seen.filter(|_| report.denoised).map(|(_, guides)| guides);
         if last {
             // Frees memory for the encoder.
             *prepared = None;
@@ -223,16 +223,7 @@ impl Rendering {
         if let Some(file) = &job.samples_map {
             save_samples_map(file, &film)?;
         }
-        if let (Some(raw), Some(guides)) = (&job.raw, guides) {
-            return denoise::save(&job.output, raw, &film, guides, &self.tone);
-        }
-        let picture = film.picture();
-        // Frees memory for the encoder.
-        drop(film);
-        if let Some(raw) = &job.raw {
-            output::save_unless(raw, &picture, (&Tone::default(), ""), &interrupt::insisted)?;
-        }
-        output::save_unless(&job.output, &picture, (&self.tone, ""), &interrupt::insisted)
+        denoise::save(&job.output, job.raw.as_deref(), film, guides, &self.tone)
     }
 
     fn tell(&self, report: &Report, begun: f64) -> Result<(), CliError> {

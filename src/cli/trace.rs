@@ -144,8 +144,8 @@ fn take_round(
         }
         let done = film.pixel_samples() - before;
         pace.seconds_a_pixel = took.as_secs_f64() / (done as f64).max(1.0);
-        // As many samples as should take `CHUNK` at this speed, and at most four times as many as in the last
-        // chunk, because short times are measured poorly.
+        // The next chunk has as many samples as should take `CHUNK` at this speed, and at most four times as
+        // many as the last one, because short times are measured poorly.
         let fitting = f64::from(chunk) * CHUNK.as_secs_f64() / took.as_secs_f64().max(1e-9);
         pace.chunk = (fitting as u32).clamp(1, chunk.saturating_mul(4));
     }

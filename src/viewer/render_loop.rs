@@ -6,7 +6,6 @@
 //! a new film with a seed of its own, and temporal reprojection supplies the missing samples.
 
 use super::accumulation::{Accumulation, Pose};
-use super::controls::Controls;
 use super::display_mode::DisplayMode;
 use super::file_watcher::FileWatcher;
 use super::frame::{Exchange, Frame};
@@ -318,12 +317,8 @@ impl RenderLoop {
         let uneven = film.most_samples().max(1) - film.samples();
         renderer.add_samples(film, uneven);
         let Self { scene, accumulation, state, options, .. } = &*self;
-        // Of the film alone: what the history of a moving camera adds is not in the file beside it.
-        let controls = Controls { minimap: false, reprojection: false, ..state.controls };
-        let input = FrameInput { renderer, scene, accumulation, controls: &controls };
-        let mut shown = Frame::default();
-        Painter::default().paint(&input, &mut shown);
-        let saved = screenshot::save(&options.screenshots, &input, &shown);
+        let input = FrameInput { renderer, scene, accumulation, controls: &state.controls };
+        let saved = screenshot::save(&options.screenshots, &input);
         let text = saved.unwrap_or_else(|error| error.to_string());
         self.message = Some((text, Instant::now()));
     }

@@ -4,7 +4,7 @@
 use super::controls::{Controls, Filter};
 use super::display_mode::DisplayMode;
 use super::frame::Frame;
-use super::painter::FrameInput;
+use super::painter::{FrameInput, Painter};
 use octray_formats::output::{self, OutputError};
 use octray_formats::scene::{Rendering, View};
 use octray_formats::wording::counted;
@@ -13,9 +13,10 @@ use std::path::{Path, PathBuf};
 /// Most screenshots of a scene in a folder.
 const MOST: u32 = 9_999;
 
-/// Saves a screenshot under the first free name in a folder: the frame that is `shown`, or the raw film if
-/// nothing filters it. Returns what was saved. The film must have the same number of samples in every pixel.
-pub fn save(folder: &Path, input: &FrameInput, shown: &Frame) -> Result<String, OutputError> {
+/// Saves a screenshot under the first free name in a folder: what is shown of the film alone, without what
+/// the history of a moving camera adds. Returns what was saved. The film must have the same number of samples
+/// in every pixel.
+pub fn save(folder: &Path, input: &FrameInput) -> Result<String, OutputError> {
     let place = free_path(folder, &input.scene.name);
     let (film, tone) = (&input.accumulation.film, &input.controls.tone);
     let picture = film.picture();
@@ -24,6 +25,9 @@ pub fn save(folder: &Path, input: &FrameInput, shown: &Frame) -> Result<String, 
     let file = place.with_extension("png");
     match &treatment {
         Some(treatment) => {
+            let controls = Controls { minimap: false, reprojection: false, ..*input.controls };
+            let mut shown = Frame::default();
+            Painter::default().paint(&FrameInput { controls: &controls, ..*input }, &mut shown);
             let comment = format!("octray: {}, {samples}", treatment.replace('×', "x"));
             output::save_shown(&file, [shown.width, shown.height], &shown.pixels, &comment)?;
         }
@@ -38,7 +42,7 @@ pub fn save(folder: &Path, input: &FrameInput, shown: &Frame) -> Result<String, 
     })
 }
 
-/// Returns what a frame shows other than the raw film, in ASCII; `None` if it shows the film.
+/// Returns what a frame shows other than the raw film; `None` if it shows the film.
 fn treatment(controls: &Controls) -> Option<String> {
     if controls.mode != DisplayMode::Picture {
         return Some(controls.mode.name_and_legend().0.to_string());

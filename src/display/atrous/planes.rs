@@ -118,7 +118,7 @@ impl<'a> Task<'a> {
             let lobe = packet(row(Plane::Lobe), at);
             let radius = lobe * L::splat(SHARE_OF_LOBE * self.height as f32);
             let narrowness = L::select(lobe.lt(one), one / (radius * radius), zero);
-            // What glows and scatters has noise too, but its emission is no edge of a guide.
+            // A surface that glows and scatters has noise, too, but no guide shows the edges of its emission.
             let sharp = lobe.eq(zero) | !packet(row(Plane::Scale), at).eq(zero);
             set(Guide::Narrowness, L::select(sharp, L::splat(UNFILTERED), narrowness.min(L::splat(1e20))));
             let samples = match self.samples {

@@ -24,7 +24,8 @@ pub enum ChannelValues {
 }
 
 impl Renderer {
-    /// Returns a film and the AOVs of its camera as channels named `layer.channel`, for other programs.
+    /// Returns a film and the AOVs of its camera as channels named `layer.channel`, for other programs. The
+    /// AOVs are those of [`Renderer::aovs_into`] and [`Renderer::denoiser_aovs_into`].
     ///
     /// | channels | what |
     /// |---|---|
@@ -37,10 +38,9 @@ impl Renderer {
         &self,
         scene: &Scene,
         film: &Film,
-        guides: &DenoiserAovs,
+        (aovs, guides): &(Aovs, DenoiserAovs),
     ) -> Vec<(String, ChannelValues)> {
-        let (mut aovs, mut channels) = (Aovs::default(), Vec::new());
-        self.aovs_into(&mut aovs);
+        let mut channels = Vec::new();
         let [width, height] = film.resolution();
         let (picture, counts) = (film.picture(), film.counts());
         let mut add = |name: &str, values| channels.push((name.to_string(), values));
@@ -54,7 +54,7 @@ impl Renderer {
                     let sum: f32 = edge.samples.iter().map(mean).sum();
                     row[edge.x as usize] = sum / edge.samples.len() as f32;
                 }
-                // What glows has its radiance as albedo.
+                // The albedo of a surface that glows is its radiance.
                 row.iter_mut().for_each(|value| *value = value.min(1.0));
                 row
             };

@@ -216,7 +216,7 @@ impl<R: Read> Checkpoint<R> {
         }
         reader.check_sum()?;
         let most = DenoiserAovs::MAX_WORDS * settings.resolution[0] as usize;
-        for expected in (shard.number - 1..).step_by(shard.count as usize).take(header.guides as usize) {
+        for expected in shard.rows(settings.resolution[1]).take(header.guides as usize) {
             let [y, length] = reader.words()?;
             if y != expected || length as usize > most {
                 return Err(reader.damaged(format!("row {y} of its guides is not where it should be")));
@@ -257,7 +257,7 @@ fn check(header: &Header) -> Result<(), String> {
     if !(1..=shard.count).contains(&shard.number) {
         return Err("its shard is impossible".into());
     }
-    if header.guides > shard.rows(settings.resolution[1]) {
+    if header.guides as usize > shard.rows(settings.resolution[1]).len() {
         return Err("it has more rows of guides than its shard".into());
     }
     Ok(())

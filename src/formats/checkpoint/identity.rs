@@ -30,9 +30,9 @@ impl Shard {
     pub fn contains(self, index: usize) -> bool {
         index % self.count as usize == self.number as usize - 1
     }
-    /// Returns the number of rows of the denoiser's AOVs that the shard keeps of a picture of this height.
-    pub fn rows(self, height: u32) -> u32 {
-        (self.number - 1..height).step_by(self.count as usize).len() as u32
+    /// Iterates over the rows of the denoiser's AOVs that the shard keeps of a picture of this height.
+    pub fn rows(self, height: u32) -> impl ExactSizeIterator<Item = u32> {
+        (self.number - 1..height).step_by(self.count as usize)
     }
 }
 

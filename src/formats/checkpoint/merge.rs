@@ -57,7 +57,7 @@ impl<R: Read> Parts<R> {
     pub fn film(self, wanted: bool) -> Result<(Film, Option<DenoiserAovs>), CheckpointError> {
         let lacks = |part: &&Checkpoint<R>| {
             let Identity { shard, settings, .. } = &part.header.identity;
-            part.header.guides != shard.rows(settings.resolution[1])
+            part.header.guides as usize != shard.rows(settings.resolution[1]).len()
         };
         let without = self.0.iter().filter(|part| wanted && lacks(part));
         let fault = |part: &Checkpoint<R>| {

@@ -5,7 +5,7 @@ use crate::scene::MaterialKind;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// What scatters at a hit besides the material.
+/// A scattering event at a hit, without the material.
 #[derive(Clone, Copy)]
 pub(super) struct Event<'a> {
     /// The direction of the ray that arrives.

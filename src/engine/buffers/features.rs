@@ -8,7 +8,7 @@ use glam::Vec3;
 /// A set of features. A pipeline is compiled for a set and leaves out the code of all others; any set that
 /// contains the features of the scene gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Features(pub u32);
+pub struct Features(pub u64);
 
 macro_rules! features {
     ($($(#[$doc:meta])* $name:ident = $bit:literal, $text:literal;)*) => {
@@ -169,7 +169,7 @@ impl Features {
 
 /// Tests whether the feature set `n` holds this feature. The compiler sees a constant.
 #[inline(always)]
-pub const fn has(n: u32, feature: Features) -> bool {
+pub const fn has(n: u64, feature: Features) -> bool {
     Features(n).contains(feature)
 }
 

@@ -19,7 +19,7 @@ use crate::rays::Kind;
 /// The lanes of the pass. AOVs are the same at any width.
 type L = F32x8;
 type B = <L as Lane>::Bits;
-pub(super) const ALL: u32 = Features::ALL.0;
+pub(super) const ALL: u64 = Features::ALL.0;
 
 /// One variable of every pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -26,7 +26,7 @@ trait LobeVisitor<L: Lane> {
 
 /// Visits every lobe that the pipeline has and that some lane of `mask` has.
 #[inline(always)]
-fn visit_lobes<L: Lane, const N: u32>(
+fn visit_lobes<L: Lane, const N: u64>(
     material: &MaterialSample<L>,
     mask: L::Mask,
     visitor: &mut impl LobeVisitor<L>,
@@ -68,7 +68,7 @@ pub struct ScatteredPath<L: Lane> {
 
 /// Samples the BSDF; returns the next segment of each path in `found`.
 #[inline(always)]
-pub fn scatter<L: Lane, const N: u32>(
+pub fn scatter<L: Lane, const N: u64>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
@@ -94,7 +94,7 @@ fn scatter_called<L: Lane>(
 }
 
 #[inline(always)]
-fn scatter_inlined<L: Lane, const N: u32>(
+fn scatter_inlined<L: Lane, const N: u64>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
@@ -131,7 +131,7 @@ fn scatter_inlined<L: Lane, const N: u32>(
 
 /// Returns the rays that leave a surface in the lanes of `found`; those of `is_delta` have a delta lobe.
 #[inline(always)]
-fn leave<L: Lane, const N: u32>(
+fn leave<L: Lane, const N: u64>(
     surface: &Surface<L>,
     material: &MaterialSample<L>,
     ng: Vec3<L>,
@@ -152,7 +152,7 @@ fn leave<L: Lane, const N: u32>(
 /// Returns the points where rays start: the hit, or the point of the smooth surface above it, except at
 /// mirrors and glass, whose images would shift.
 #[inline(always)]
-fn leaving_point<L: Lane, const N: u32>(
+fn leaving_point<L: Lane, const N: u64>(
     surface: &Surface<L>,
     material: &MaterialSample<L>,
     is_delta: L::Mask,
@@ -167,7 +167,7 @@ fn leaving_point<L: Lane, const N: u32>(
 /// and the factors of their throughput: along the reflection, or at glass along the likelier one of
 /// reflection and refraction. The mask holds refractions.
 #[inline(always)]
-pub fn follow_delta<L: Lane, const N: u32>(
+pub fn follow_delta<L: Lane, const N: u64>(
     d: Vec3<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
@@ -291,7 +291,7 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
 /// `d`, and the pdf with which [`scatter`] samples `towards`. Both are zero outside `mask`, below the
 /// surface, and for delta lobes. `plastic` is that of [`ScatteredPath`] at this surface.
 #[inline(always)]
-pub fn evaluate<L: Lane, const N: u32>(
+pub fn evaluate<L: Lane, const N: u64>(
     d: Vec3<L>,
     surface: &Surface<L>,
     (material, plastic): (&MaterialSample<L>, &PlasticView<L>),
@@ -364,7 +364,7 @@ impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
 /// Returns the lanes with a lobe that is worth light sampling, which is neither a delta lobe nor too narrow;
 /// unspecified in lanes that hit nothing.
 #[inline(always)]
-pub fn has_sampled_lobe<L: Lane, const N: u32>(material: &MaterialSample<L>) -> L::Mask {
+pub fn has_sampled_lobe<L: Lane, const N: u64>(material: &MaterialSample<L>) -> L::Mask {
     let has_lobe = |kind: u32| material.kind.equals(L::Bits::splat(kind));
     let wide = |least: f32| L::splat(least).le(material.roughness_or_ior);
     let mut sampled = has_lobe(MaterialCode::DIFFUSE)

@@ -16,7 +16,7 @@ pub use crate::buffers::has;
 /// Tests whether this is the pipeline with every feature. It calls the longest functions of shading, which
 /// others inline: a quarter less of the engine to compile, and as fast. See `perf/README.md`.
 #[inline(always)]
-pub const fn is_general(n: u32) -> bool {
+pub const fn is_general(n: u64) -> bool {
     n == Features::ALL.0
 }
 
@@ -24,13 +24,13 @@ pub const fn is_general(n: u32) -> bool {
 /// only if the feature set has a sky: in scenes without one, nearly every ray hits the sphere around them,
 /// and testing for misses costs 3 %.
 #[inline(always)]
-pub const fn ends_missed(n: u32) -> bool {
+pub const fn ends_missed(n: u64) -> bool {
     has(n, Features::SKY_GRADIENT) || has(n, Features::SKY_TEXTURE)
 }
 
 /// Tests whether texels are read in a loop before shading: each hit has at most one, a display value.
 #[inline(always)]
-pub const fn reads_texels_first(n: u32) -> bool {
+pub const fn reads_texels_first(n: u64) -> bool {
     has(n, Features::TEXTURES) && !Features(n).meets(MANY_TEXELS)
 }
 
@@ -44,7 +44,7 @@ const MANY_TEXELS: Features = Features::BILINEAR
 
 /// Returns the texture lookups that the feature set `n` holds.
 #[inline(always)]
-pub const fn abilities(n: u32) -> Abilities {
+pub const fn abilities(n: u64) -> Abilities {
     Abilities {
         bilinear: has(n, Features::BILINEAR),
         linear: has(n, Features::LINEAR_TEXTURES),
@@ -80,35 +80,35 @@ pub struct TraceContext {
 impl TraceContext {
     /// Tests whether paths carry ray cones: in the general pipeline, only in scenes that need them.
     #[inline(always)]
-    pub fn carries_cones<const N: u32>(&self) -> bool {
+    pub fn carries_cones<const N: u64>(&self) -> bool {
         has(N, Features::LEVELS_OF_DETAIL) && self.buffers.needs.contains(Features::LEVELS_OF_DETAIL)
     }
     /// Looks up the surfaces of the lanes in `found`; the others are unspecified.
     #[inline(always)]
-    pub fn surface<L: Lane, const N: u32>(&self, path: &Path<L>, hit: &Hit<L>, found: L::Mask) -> Surface<L> {
+    pub fn surface<L: Lane, const N: u64>(&self, path: &Path<L>, hit: &Hit<L>, found: L::Mask) -> Surface<L> {
         Surface::of::<N>(&self.surfaces::<N>(), (&path.ray, &path.cone), hit, found)
     }
     /// Returns the tables of look-ups of surfaces.
     #[inline(always)]
-    pub fn surfaces<const N: u32>(&self) -> SurfaceTables<'_> {
+    pub fn surfaces<const N: u64>(&self) -> SurfaceTables<'_> {
         let lights = &self.lights.table;
         SurfaceTables { primitives: &self.primitives, lights, cones: self.carries_cones::<N>() }
     }
     /// Returns the columns of the path queue that are stored.
     #[inline(always)]
-    pub fn columns<const N: u32>(&self) -> QueueColumns {
+    pub fn columns<const N: u64>(&self) -> QueueColumns {
         QueueColumns { lights: has(N, Features::LIGHTS), cones: self.carries_cones::<N>() }
     }
     /// Returns the cones of primary rays.
     #[inline(always)]
-    pub fn primary_cone<L: Lane, const N: u32>(&self) -> Cone<L> {
+    pub fn primary_cone<L: Lane, const N: u64>(&self) -> Cone<L> {
         if self.carries_cones::<N>() { Cone::of_pixel(self.camera.pixel_size()) } else { Cone::none() }
     }
 
     /// Returns the paths of the packet at `at`. With `FIRST` they are at their first segment, of which the
     /// queue holds only direction and key.
     #[inline(always)]
-    pub fn path<L: Lane, const N: u32, const FIRST: bool>(&self, queue: &PathQueue, at: usize) -> Path<L> {
+    pub fn path<L: Lane, const N: u64, const FIRST: bool>(&self, queue: &PathQueue, at: usize) -> Path<L> {
         if !FIRST {
             return queue.path(at, self.columns::<N>());
         }

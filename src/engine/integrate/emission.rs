@@ -29,7 +29,7 @@ pub fn mis_weight<L: Lane>(inv_pdf: L, other_pdf: L) -> L {
 ///
 /// With `FIRST`, the paths are primary rays, which only the camera generates.
 #[inline(always)]
-pub fn surface_radiance<L: Lane, const N: u32, const FIRST: bool>(
+pub fn surface_radiance<L: Lane, const N: u64, const FIRST: bool>(
     path: &Path<L>,
     surface: &Surface<L>,
     material: &MaterialSample<L>,
@@ -44,7 +44,7 @@ pub fn surface_radiance<L: Lane, const N: u32, const FIRST: bool>(
 /// Returns the environment's radiance along the paths of the lanes in `missed`, times throughput and, after a
 /// bounce, the MIS weight of BSDF sampling; 0 in other lanes.
 #[inline(always)]
-pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
+pub fn missed_radiance<L: Lane, const N: u64, const FIRST: bool>(
     context: &TraceContext,
     path: &Path<L>,
     missed: L::Mask,
@@ -68,7 +68,7 @@ pub fn missed_radiance<L: Lane, const N: u32, const FIRST: bool>(
 /// Returns the environment's radiance from a direction, in a cone of this `angle`; unspecified in lanes
 /// outside `mask`.
 #[inline(always)]
-pub fn environment_radiance<L: Lane, const N: u32>(
+pub fn environment_radiance<L: Lane, const N: u64>(
     context: &TraceContext,
     direction: Vec3<L>,
     angle: L,

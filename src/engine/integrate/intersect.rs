@@ -33,7 +33,7 @@ impl Intersected {
 ///
 /// This loop is separate from the tests of primitives, because in short loops the processor works on several
 /// packets at a time.
-pub fn intersect<L: Lane, const N: u32>(
+pub fn intersect<L: Lane, const N: u64>(
     context: &TraceContext,
     scratch: &mut Scratch,
     paths: Range<usize>,

@@ -43,7 +43,7 @@ impl<L: Lane> MaterialSample<L> {
     /// Evaluates the materials of the lanes in `found`; the others are unspecified. With
     /// [`reads_texels_first`], colours lack their texels: [`MaterialSample::multiply_texels`].
     #[inline(always)]
-    pub fn of<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
+    pub fn of<const N: u64>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
         if is_general(N) {
             Self::called(context, surface, found)
         } else {
@@ -61,7 +61,7 @@ impl<L: Lane> MaterialSample<L> {
     }
 
     #[inline(always)]
-    fn inlined<const N: u32>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
+    fn inlined<const N: u64>(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
         let fits_registers = !has(N, Features::MANY_MATERIALS);
         let index = L::Bits::select(found, surface.material, L::Bits::splat(0));
         let [r, g, b, roughness_or_ior, er, eg, eb, code] =
@@ -127,7 +127,7 @@ impl<L: Lane> MaterialSample<L> {
 
     /// Multiplies colours by textures; `code` is index + 1, 0 for none.
     #[inline(always)]
-    fn apply_color_texture<const N: u32>(
+    fn apply_color_texture<const N: u64>(
         &mut self,
         context: &TraceContext,
         at: TexturePoint<L>,
@@ -146,7 +146,7 @@ impl<L: Lane> MaterialSample<L> {
 
     /// Multiplies colours by texels that were already read, at the indices of [`texel_indices`].
     #[inline(always)]
-    pub fn multiply_texels<const N: u32>(
+    pub fn multiply_texels<const N: u64>(
         &mut self,
         context: &TraceContext,
         surface: &Surface<L>,
@@ -168,7 +168,7 @@ impl<L: Lane> MaterialSample<L> {
     /// Multiplies roughness by a map: the parameter of the fuzzy mirror, the square root of every other. For
     /// metal-rough the map multiplies the metallic share, too.
     #[inline(always)]
-    fn apply_roughness_map<const N: u32>(
+    fn apply_roughness_map<const N: u64>(
         &mut self,
         context: &TraceContext,
         at: TexturePoint<L>,
@@ -193,7 +193,7 @@ impl<L: Lane> MaterialSample<L> {
 
     /// Multiplies emission by a map.
     #[inline(always)]
-    fn apply_emission_map<const N: u32>(
+    fn apply_emission_map<const N: u64>(
         &mut self,
         context: &TraceContext,
         at: TexturePoint<L>,
@@ -208,7 +208,7 @@ impl<L: Lane> MaterialSample<L> {
     }
 
     #[inline(always)]
-    fn apply_normal_map<const N: u32>(
+    fn apply_normal_map<const N: u64>(
         &mut self,
         context: &TraceContext,
         surface: &Surface<L>,
@@ -231,7 +231,7 @@ impl<L: Lane> MaterialSample<L> {
 /// Returns the indices of the texels by which [`MaterialSample::multiply_texels`] multiplies colours; 0 in
 /// lanes without texels.
 #[inline(always)]
-pub fn texel_indices<L: Lane, const N: u32>(
+pub fn texel_indices<L: Lane, const N: u64>(
     context: &TraceContext,
     surface: &Surface<L>,
     found: L::Mask,
@@ -246,7 +246,7 @@ pub fn texel_indices<L: Lane, const N: u32>(
 
 /// Returns the codes of the textures of colours, and the lanes that have one.
 #[inline(always)]
-fn color_textures<L: Lane, const N: u32>(
+fn color_textures<L: Lane, const N: u64>(
     context: &TraceContext,
     surface: &Surface<L>,
     found: L::Mask,
@@ -270,7 +270,7 @@ const TEXTURED: Features = Features::TEXTURES
 
 /// Returns the texels of the lanes in `mask`; `code` is index + 1.
 #[inline(always)]
-fn texel<L: Lane, const N: u32>(
+fn texel<L: Lane, const N: u64>(
     context: &TraceContext,
     at: TexturePoint<L>,
     mask: L::Mask,
@@ -321,7 +321,7 @@ pub struct FacingNormals<L: Lane> {
 impl<L: Lane> FacingNormals<L> {
     /// Returns the normals for rays that arrive along `d`.
     #[inline(always)]
-    pub fn new<const N: u32>(d: Vec3<L>, surface: &Surface<L>, material: &MaterialSample<L>) -> Self {
+    pub fn new<const N: u64>(d: Vec3<L>, surface: &Surface<L>, material: &MaterialSample<L>) -> Self {
         let cosine = d.dot(surface.ng);
         let ng = surface.ng.flip_sign(-cosine);
         let mut lobes = LobeNormals::flat(ng);

@@ -25,7 +25,7 @@ const SHARED_FROM: u32 = 2;
 /// Takes sample `sample` of every pixel of up to [`MAX_TILES`] tiles into `scratch`'s radiance and
 /// returns the number of rays. `N` holds the features that this pipeline is compiled with; it must contain
 /// the scene's [`Features`].
-pub fn trace_tiles<L: Lane, const N: u32>(
+pub fn trace_tiles<L: Lane, const N: u64>(
     context: &TraceContext,
     tiles: &[Tile],
     sample: u32,
@@ -46,7 +46,7 @@ pub fn trace_tiles<L: Lane, const N: u32>(
 
 /// Traces the paths of a tile to their event [`SHARED_FROM`], or to the last if that is earlier, and puts
 /// them behind the `waiting` ones of earlier tiles at the front of the queue. Returns the number of rays.
-fn first_segments<L: Lane, const N: u32>(
+fn first_segments<L: Lane, const N: u64>(
     context: &TraceContext,
     (number, tile): (usize, Tile),
     sample: u32,
@@ -78,7 +78,7 @@ fn first_segments<L: Lane, const N: u32>(
 }
 
 /// Traces the waiting paths of all tiles to their ends. Returns the number of rays.
-fn later_segments<L: Lane, const N: u32>(
+fn later_segments<L: Lane, const N: u64>(
     context: &TraceContext,
     scratch: &mut Scratch,
     waiting: usize,
@@ -100,7 +100,7 @@ fn later_segments<L: Lane, const N: u32>(
 /// Traces a segment of paths after `bounce` bounces, shades their hits, and traces the shadow rays. Paths
 /// that continue are stored from `to` on.
 #[inline(always)]
-fn trace_bounce<L: Lane, const N: u32>(
+fn trace_bounce<L: Lane, const N: u64>(
     context: &TraceContext,
     scratch: &mut Scratch,
     paths: &Range<usize>,
@@ -120,7 +120,7 @@ fn trace_bounce<L: Lane, const N: u32>(
 
 /// Traces the shadow rays that `shade` queued.
 #[inline(always)]
-fn shadow_rays<L: Lane, const N: u32>(context: &TraceContext, scratch: &mut Scratch, shaded: &Shaded) {
+fn shadow_rays<L: Lane, const N: u64>(context: &TraceContext, scratch: &mut Scratch, shaded: &Shaded) {
     if has(N, Features::LIGHTS) && shaded.shadow_rays > 0 {
         trace_shadow_rays::<L>(context, scratch, shaded.shadow_rays);
     }
@@ -194,7 +194,7 @@ const ALL_LOBES: Features = UNTEXTURED
     .with(Features::PLASTIC)
     .with(Features::METAL_ROUGH);
 
-const fn pipeline<const N: u32>() -> (Features, Widths) {
+const fn pipeline<const N: u64>() -> (Features, Widths) {
     (Features(N), [trace_tiles::<f32, N>, trace_tiles::<F32x8, N>, trace_tiles::<Native, N>])
 }
 

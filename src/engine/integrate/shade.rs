@@ -32,7 +32,7 @@ pub struct Shaded {
 /// Paths that continue are stored from `to` on.
 ///
 /// With `FIRST`, the queue holds primary rays, as [`super::generate()`] left them, and some missed.
-pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
+pub fn shade<L: Lane, const N: u64, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
     &Intersected { hits: ref paths, contributions }: &Intersected,
@@ -95,7 +95,7 @@ pub fn shade<L: Lane, const N: u32, const FIRST: bool>(
 }
 
 /// Shades last segments: adds emitted radiance and scatters nothing.
-pub fn shade_last<L: Lane, const N: u32, const FIRST: bool>(
+pub fn shade_last<L: Lane, const N: u64, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
     &Intersected { ref hits, contributions }: &Intersected,
@@ -128,7 +128,7 @@ pub fn shade_last<L: Lane, const N: u32, const FIRST: bool>(
 
 /// Applies [`correct_hits`] if triangles may hide each other at edges.
 #[inline(always)]
-fn correct_triangles<L: Lane, const N: u32, const FIRST: bool>(
+fn correct_triangles<L: Lane, const N: u64, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
     paths: &Range<usize>,
@@ -140,7 +140,7 @@ fn correct_triangles<L: Lane, const N: u32, const FIRST: bool>(
 
 /// Returns the materials of the packet at `at`.
 #[inline(always)]
-fn material_of<L: Lane, const N: u32>(
+fn material_of<L: Lane, const N: u64>(
     context: &TraceContext,
     scratch: &Scratch,
     at: usize,
@@ -169,7 +169,7 @@ impl<L: Lane> SegmentEnds<L> {
     /// Finds the ends of the first packet of `paths` in a queue. They do not include the path itself, which
     /// would be copied through memory.
     #[inline(always)]
-    fn of<const N: u32, const FIRST: bool>(
+    fn of<const N: u64, const FIRST: bool>(
         context: &TraceContext,
         queue: &PathQueue,
         paths: Range<usize>,
@@ -189,7 +189,7 @@ impl<L: Lane> SegmentEnds<L> {
 /// Returns the lanes that add radiance: those that missed, and, if surfaces emit, those with radiance other
 /// than 0.
 #[inline(always)]
-fn carries_radiance<L: Lane, const N: u32>(active: L::Mask, found: L::Mask, radiance: Vec3<L>) -> L::Mask {
+fn carries_radiance<L: Lane, const N: u64>(active: L::Mask, found: L::Mask, radiance: Vec3<L>) -> L::Mask {
     if has(N, Features::EMISSION) {
         // Not `0 < sum`: NaN must reach the film, where it is counted.
         active & !(radiance.x + radiance.y + radiance.z).eq(L::zero())
@@ -228,7 +228,7 @@ impl<const FIRST: bool> RadianceAccumulator<FIRST> {
 
 /// Reads the texels of the hits of a range of a queue; with `FIRST`, of primary rays.
 #[inline(always)]
-pub fn texels_of_hits<L: Lane, const N: u32, const FIRST: bool>(
+pub fn texels_of_hits<L: Lane, const N: u64, const FIRST: bool>(
     context: &TraceContext,
     queue: &PathQueue,
     paths: Range<usize>,

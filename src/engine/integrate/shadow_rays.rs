@@ -42,7 +42,7 @@ pub struct Scattering<'a, L: Lane> {
 ///
 /// Not inlined, because it is much code that is called from two places.
 #[inline(never)]
-pub fn sample_direct_light<L: Lane, const N: u32>(
+pub fn sample_direct_light<L: Lane, const N: u64>(
     context: &TraceContext,
     scratch: &mut Scratch,
     count: usize,
@@ -88,7 +88,7 @@ pub fn sample_direct_light<L: Lane, const N: u32>(
 /// Returns the light's radiance, or 1 if its hit decides: see [`ChosenLight::emission`]. The environment's
 /// radiance comes from its texture.
 #[inline(always)]
-fn emission<L: Lane, const N: u32>(
+fn emission<L: Lane, const N: u64>(
     context: &TraceContext,
     at: &Scattering<L>,
     light: &ChosenLight<L>,
@@ -106,7 +106,7 @@ fn emission<L: Lane, const N: u32>(
 
 /// Returns the cones of rays that lobes other than delta lobes scatter; no cones if paths carry none.
 #[inline(always)]
-fn scattered_cones<L: Lane, const N: u32>(context: &TraceContext, at: &Scattering<L>) -> Cone<L> {
+fn scattered_cones<L: Lane, const N: u64>(context: &TraceContext, at: &Scattering<L>) -> Cone<L> {
     match context.carries_cones::<N>() {
         true => scattered_cone(at.path, at.surface, at.material, L::Mask::splat(false)),
         false => Cone::none(),
@@ -176,7 +176,7 @@ fn emitted_by_hits<L: Lane>(
     hit: &Hit<L>,
     rays: L::Mask,
 ) -> (L::Mask, (L::Bits, Vec3<L>)) {
-    const ALL: u32 = Features::ALL.0;
+    const ALL: u64 = Features::ALL.0;
     let (light, path) = queue.to_light::<L>(at);
     let seen = rays & context.lights.is_primitive_of_light::<L>(hit.primitive, light);
     let found = seen & hit.found();

@@ -26,7 +26,7 @@ const MOST: f32 = 1.0 / 1024.0;
 ///
 /// With `FIRST`, the queue holds primary rays.
 #[inline(never)]
-pub fn correct_hits<L: Lane, const N: u32, const FIRST: bool>(
+pub fn correct_hits<L: Lane, const N: u64, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
     paths: Range<usize>,

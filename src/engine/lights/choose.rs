@@ -19,7 +19,7 @@ impl Lights {
     ///
     /// Domain: there are lights.
     #[inline(always)]
-    pub fn choose<L: Lane, const N: u32>(
+    pub fn choose<L: Lane, const N: u64>(
         &self,
         place: (Vec3<L>, Vec3<L>),
         u: L,

@@ -43,7 +43,7 @@ choices! {
 impl Lights {
     /// Samples a point of each lane's light, as seen from `origin`, in the lanes of `mask`.
     #[inline(always)]
-    pub fn sample<L: Lane, const N: u32>(
+    pub fn sample<L: Lane, const N: u64>(
         &self,
         light: &ChosenLight<L>,
         origin: Vec3<L>,

@@ -178,7 +178,7 @@ impl<L: Lane> ChosenLight<L> {
     /// Samples a point of each lane's light, as seen from `origin`, in the lanes of `mask`. Lanes with the
     /// environment are unspecified.
     #[inline(always)]
-    pub fn sample<const N: u32>(&self, origin: Vec3<L>, (u, v): (L, L), mask: L::Mask) -> LightSample<L> {
+    pub fn sample<const N: u64>(&self, origin: Vec3<L>, (u, v): (L, L), mask: L::Mask) -> LightSample<L> {
         let LightKinds { sphere, flat, environment: _ } = self.kinds;
         let center = self.at - origin;
         let on_flat = self.flat(origin);

@@ -103,7 +103,7 @@ struct HitKinds<L: Lane>([L::Mask; Kind::ALL.len()]);
 
 impl<L: Lane> HitKinds<L> {
     #[inline(always)]
-    fn of<const N: u32>(ranges: KindRanges, primitive: L::Bits) -> Self {
+    fn of<const N: u64>(ranges: KindRanges, primitive: L::Bits) -> Self {
         let mut kinds = [L::Mask::splat(false); Kind::ALL.len()];
         for (kind, lanes) in Kind::ALL.into_iter().zip(&mut kinds) {
             if Features(N).has_only_kind(kind) {
@@ -141,7 +141,7 @@ pub struct Surface<L: Lane> {
 impl<L: Lane> Surface<L> {
     /// Looks up the surfaces of the lanes in `found`; the others are unspecified.
     #[inline(always)]
-    pub fn of<const N: u32>(
+    pub fn of<const N: u64>(
         tables: &SurfaceTables,
         (ray, cone): (&Ray<L>, &Cone<L>),
         hit: &Hit<L>,
@@ -192,7 +192,7 @@ impl<L: Lane> Surface<L> {
     /// Returns the tangent along growing u in the lanes of `mapped`, and the frame's handedness: +1 if v
     /// grows along normal × tangent, −1 if against it.
     #[inline(always)]
-    pub fn tangent<const N: u32>(&self, primitives: &PrimitiveTables, mapped: L::Mask) -> (Vec3<L>, L) {
+    pub fn tangent<const N: u64>(&self, primitives: &PrimitiveTables, mapped: L::Mask) -> (Vec3<L>, L) {
         let mut frame = (Vec3::zero(), L::zero());
         let HitKinds([sphere, triangle]) = self.kinds;
         if has(N, Features::SPHERES) && (mapped & sphere).any() {
@@ -207,7 +207,7 @@ impl<L: Lane> Surface<L> {
 
     /// Returns the points at which textures are read in the lanes of `textured`.
     #[inline(always)]
-    pub fn texture_point<const N: u32>(&self, tables: &SurfaceTables, textured: L::Mask) -> TexturePoint<L> {
+    pub fn texture_point<const N: u64>(&self, tables: &SurfaceTables, textured: L::Mask) -> TexturePoint<L> {
         let mut found = ((L::zero(), L::zero()), L::zero());
         let HitKinds([sphere, triangle]) = self.kinds;
         if has(N, Features::SPHERES) && (textured & sphere).any() {

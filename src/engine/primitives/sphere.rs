@@ -86,7 +86,7 @@ impl<L: Lane> Default for OnSphere<L> {
 impl<L: Lane> Surface<L> {
     /// Sets all lanes to the surfaces of spheres, in the lanes of `used`.
     #[inline(always)]
-    pub(super) fn set_sphere<const N: u32>(
+    pub(super) fn set_sphere<const N: u64>(
         &mut self,
         tables: &SurfaceTables,
         ray: &Ray<L>,

@@ -150,7 +150,7 @@ impl<L: Lane> OnTriangle<L> {
 impl<L: Lane> Surface<L> {
     /// Overwrites the lanes on triangles.
     #[inline(always)]
-    pub(super) fn set_triangle<const N: u32>(&mut self, tables: &SurfaceTables, ray: &Ray<L>, hit: &Hit<L>) {
+    pub(super) fn set_triangle<const N: u64>(&mut self, tables: &SurfaceTables, ray: &Ray<L>, hit: &Hit<L>) {
         let fits_registers = !has(N, Features::MANY_TRIANGLES);
         let triangle =
             TriangleRow::fetch(&tables.primitives.triangles.rows, self.triangle.index, fits_registers);
@@ -182,7 +182,7 @@ impl<L: Lane> Surface<L> {
     /// elsewhere. The third result is the vector to the smooth surface, on the side from which the ray
     /// arrives: see [`normals::bulge`].
     #[inline(always)]
-    pub fn interpolated_normal<const N: u32>(
+    pub fn interpolated_normal<const N: u64>(
         &self,
         primitives: &PrimitiveTables,
         found: L::Mask,
@@ -209,7 +209,7 @@ impl<L: Lane> Surface<L> {
 
     /// Overwrites the tangents of the lanes in `on_triangle`.
     #[inline(always)]
-    pub(super) fn triangle_tangent<const N: u32>(
+    pub(super) fn triangle_tangent<const N: u64>(
         &self,
         primitives: &PrimitiveTables,
         on_triangle: L::Mask,
@@ -224,7 +224,7 @@ impl<L: Lane> Surface<L> {
 
     /// Overwrites texture coordinates and the density of the texture in the lanes on triangles.
     #[inline(always)]
-    pub(super) fn triangle_coordinates<const N: u32>(
+    pub(super) fn triangle_coordinates<const N: u64>(
         &self,
         tables: &SurfaceTables,
         ((u, v), density): ((L, L), L),
@@ -245,7 +245,7 @@ impl<L: Lane> Surface<L> {
 /// triangle: that of the light that the triangle is, is half of, or has a piece of at the hit. Only for
 /// the lanes of `mask`.
 #[inline(always)]
-fn triangle_pdf<L: Lane, const N: u32>(
+fn triangle_pdf<L: Lane, const N: u64>(
     lights: &LightTable,
     triangle: &TriangleRow<L>,
     ray: &Ray<L>,

@@ -11,7 +11,7 @@ use octray::kernel::ray_cone::Cone;
 use octray::primitives::PrimitiveTables;
 use octray::rays::{Hits, Rays, Structure, Tracer};
 
-const ALL: u32 = Features::ALL.0;
+const ALL: u64 = Features::ALL.0;
 
 fn context(scene: &Scene) -> TraceContext {
     let lights = Lights::new(scene, LightChoice::On);

@@ -7,7 +7,7 @@ use crate::buffers::Features;
 use crate::lights::{EnvironmentLight, LightChoice, Lights};
 use crate::render::{TraversalChoice, features_of};
 use crate::scene::{
-    Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, point_in_file,
+    Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, Wrap, point_in_file,
 };
 use crate::wording::{counted, grouped};
 use glam::Vec3;
@@ -61,6 +61,8 @@ struct TextureReport {
     width: u32,
     height: u32,
     filter: &'static str,
+    /// Along u and along v.
+    wrap: [&'static str; 2],
     memory_bytes: usize,
 }
 
@@ -256,13 +258,19 @@ impl TextureReport {
                 Filter::Bilinear => "bilinear",
                 Filter::Trilinear => "trilinear",
             },
+            wrap: texture.wrap.map(Wrap::name),
             memory_bytes: texture.bytes(),
         }
     }
 
     fn text(&self) -> String {
-        let Self { name, width, height, filter, memory_bytes } = self;
-        format!("{name}: {width}×{height}, {filter}, {}", DecimalBytes(*memory_bytes as u64))
+        let Self { name, width, height, filter, wrap: [u, v], memory_bytes } = self;
+        let wrap = match (u, v) {
+            (&"repeat", &"repeat") => String::new(),
+            (u, v) if u == v => format!("{u}, "),
+            (u, v) => format!("{u} along u, {v} along v, "),
+        };
+        format!("{name}: {width}×{height}, {filter}, {wrap}{}", DecimalBytes(*memory_bytes as u64))
     }
 }
 

@@ -23,7 +23,7 @@ pub use octray::scene::MaterialKind::{
     Diffuse, Emitter, FuzzyMirror, Glass, Metal, MetalRough, Plastic, ThinGlass,
 };
 pub use octray::scene::{
-    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, load,
+    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, Wrap, load,
 };
 pub use octray::tone::Tone;
 
@@ -157,7 +157,7 @@ pub fn mean(picture: &Picture) -> f64 {
 }
 
 pub fn texture([width, height]: [u32; 2], filter: Filter, texels: Texels) -> Texture {
-    Texture { name: "texture".into(), width, height, filter, texels }
+    Texture { name: "texture".into(), width, height, filter, wrap: [Wrap::Repeat; 2], texels }
 }
 
 /// The root of the mean square of their differences.

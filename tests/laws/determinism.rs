@@ -100,6 +100,8 @@ fn everything(triangles: usize) -> Scene {
         noise(&mut rng, 4, 7, Filter::Bilinear),
         noise(&mut rng, 16, 8, Filter::Trilinear),
     ];
+    scene.textures[0].wrap = [Wrap::Clamp, Wrap::Mirror];
+    scene.textures[1].wrap = [Wrap::Mirror, Wrap::Clamp];
     scene.sky = Sky::Texture { texture: 2, color: vec3(1.0, 0.9, 0.8), turn: 0.4 };
     scene
 }

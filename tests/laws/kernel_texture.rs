@@ -1,7 +1,7 @@
 //! Laws: texture lookups stay inside their texture, and decoding keeps its documented error.
 
 use octray::kernel::surface::latitude_longitude;
-use octray::kernel::texture::{Grid, srgb_to_linear};
+use octray::kernel::texture::{Grid, TexturePoint, WRAP_CODES, srgb_to_linear};
 use octray::math::Vec3;
 use octray::sampling::random::mix_bits;
 use std::f64::consts::{PI, TAU};
@@ -94,5 +94,42 @@ fn latitude_longitude_is_within_its_bound_of_f64_also_at_poles_and_seams() {
         (0.0, 0.0, 1.0),
     ] {
         check(glam::DVec3::new(x, y, z));
+    }
+}
+
+/// A ramp of the columns' numbers shows where a lookup is: between neighbours, never across an edge.
+#[test]
+fn clamped_and_mirrored_lookups_never_blend_across_an_edge() {
+    for width in [1u32, 2, 3, 7, 1000, 16_384] {
+        let size = f64::from(width);
+        let grid = Grid::<f32> { width: width as f32, height: 1.0, first: 0 };
+        let edges = (-4..5).flat_map(|edge| [-1e-6, -1e-7, 0.0, 1e-7, 1e-6].map(|by| edge as f32 + by));
+        let others = (0..2000).map(|i| (mix_bits(i) as f32 / 4e8) - 5.0);
+        for (u, wrap) in edges.chain(others).flat_map(|u| [(u, 1), (u, 2)]) {
+            let x = f64::from(u);
+            let folded = if wrap == 1 { x.clamp(0.0, 1.0) } else { 1.0 - (1.0 - x.rem_euclid(2.0)).abs() };
+            for smooth in [false, true] {
+                let at = TexturePoint { u, v: 0.5, clamp_v: false, footprint: 0.0 };
+                let at = at.wrapped(&grid, [WRAP_CODES[wrap], 0.0], smooth);
+                assert_eq!(at.v, 0.5);
+                if !smooth {
+                    let wanted = (folded * size).floor().min(size - 1.0);
+                    let off = (f64::from(grid.nearest(at.u, at.v, false)) - wanted).abs();
+                    assert!(
+                        off <= if (folded * size).fract() < 0.01 || width > 1000 { 1.0 } else { 0.0 },
+                        "{u}"
+                    );
+                    continue;
+                }
+                let ([left, right, ..], weight, _) = grid.bilinear(at.u, at.v, false);
+                assert!(right == left + 1 || width == 1, "{u} of {width} reads {left} and {right}");
+                let found = f64::from(left) + f64::from(weight) * f64::from(right - left);
+                let wanted = (folded * size - 0.5).clamp(0.0, size - 1.0);
+                assert!(
+                    (found - wanted).abs() <= size / 1_048_576.0,
+                    "{u} of {width}: {found}, not {wanted}"
+                );
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::common::*;
 /// A feature that a plain scene of one material gets: its name, and how.
 type Extra = (&'static str, fn(&mut Scene));
 
-const EXTRAS: [Extra; 17] = [
+const EXTRAS: [Extra; 18] = [
     ("nothing", |_| ()),
     ("triangles", add_floor),
     ("smooth normals", |scene| *scene = Scene { sky: scene.sky, ..smooth_ball(scene.materials[0].kind) }),
@@ -19,6 +19,13 @@ const EXTRAS: [Extra; 17] = [
     ("nearest texture", |scene| scene.materials[0].texture = Some(add_texture(scene, Filter::Nearest))),
     ("bilinear texture", |scene| scene.materials[0].texture = Some(add_texture(scene, Filter::Bilinear))),
     ("trilinear texture", |scene| scene.materials[0].texture = Some(add_texture(scene, Filter::Trilinear))),
+    ("clamped texture", |scene| {
+        let map = add_texture(scene, Filter::Nearest);
+        scene.textures[map as usize].wrap = [Wrap::Clamp, Wrap::Mirror];
+        add_floor(scene);
+        scene.uvs.push([Vec2::ZERO, vec2(7.0, -2.0), vec2(-1.0, 5.0)]);
+        scene.materials[0].texture = Some(map);
+    }),
     ("roughness map", |scene| {
         let map = add_texture(scene, Filter::Nearest);
         scene.materials[0].roughness_map = scene.materials[0].kind.has_roughness().then_some(map);

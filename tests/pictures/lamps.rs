@@ -49,9 +49,11 @@ fn lamps(rng: &mut Rng) -> Scene {
     let gray = Material { color: Vec3::splat(0.5), ..material(Diffuse) };
     let painted = Material { texture: Some(rng.index(2) as u32), ..lamp(2.0) };
     let shining = Material { emission: Vec3::ONE, emission_map: Some(0), ..gray.clone() };
+    let wraps = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror];
+    let wrap = [rng.index(3), rng.index(3)].map(|wrap| wraps[wrap]);
     let mut scene = Scene {
         materials: vec![gray.clone(), lamp(1.0), gray, painted, shining],
-        textures: vec![noise(rng, 4, 3, Filter::Bilinear), spot(6, 8)],
+        textures: vec![noise(rng, 4, 3, Filter::Bilinear), Texture { wrap, ..spot(6, 8) }],
         resolution: [16, 16],
         ..floor(vec3(0.2, 0.0, -0.1), 1.0)
     };

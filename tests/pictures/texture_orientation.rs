@@ -110,3 +110,36 @@ fn whole_repeats_of_a_triangles_picture_change_no_bit() {
         assert!(shifted(by) == near, "{by}");
     }
 }
+
+/// A wall with coordinates from −2 to 3, shining, in a mirror, and as relief.
+#[test]
+fn clamped_and_mirrored_textures_are_the_references() {
+    let corners = [vec3(-8.0, -8.0, 0.0), vec3(8.0, -8.0, 0.0), vec3(0.0, 8.0, 0.0)];
+    for (filter, wrap) in
+        [Filter::Nearest, Filter::Bilinear, Filter::Trilinear].into_iter().flat_map(|filter| {
+            [[Wrap::Clamp; 2], [Wrap::Mirror; 2], [Wrap::Clamp, Wrap::Repeat], [Wrap::Repeat, Wrap::Mirror]]
+                .map(|wrap| (filter, wrap))
+        })
+    {
+        let mut rng = Rng(7);
+        let textures = [[5, 4], [8, 3]].map(|[width, height]| noise(&mut rng, width, height, filter));
+        let scene = Scene {
+            sky: Sky::Gradient { bottom: Vec3::ZERO, top: Vec3::ONE },
+            materials: vec![Material {
+                texture: Some(0),
+                roughness_map: Some(1),
+                ..material(Metal { roughness: 0.5 })
+            }],
+            textures: textures.map(|texture| Texture { wrap, ..texture }).to_vec(),
+            triangles: vec![triangle(corners, 0)],
+            uvs: vec![[vec2(-1.1, -2.0), vec2(2.1, -1.2), vec2(0.4, 3.0)]],
+            ..empty()
+        };
+        crate::judged::assert_is_the_references(&format!("{filter:?} {wrap:?}"), &scene, 2);
+        let repeating =
+            scene.textures.iter().map(|texture| Texture { wrap: [Wrap::Repeat; 2], ..texture.clone() });
+        let repeating = Scene { textures: repeating.collect(), ..scene.clone() };
+        let [wrapped, repeated] = [&scene, &repeating].map(|scene| render(scene, Settings::of(scene), 2));
+        assert!(wrapped != repeated, "{filter:?} {wrap:?}");
+    }
+}

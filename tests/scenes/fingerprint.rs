@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use octray::checkpoint::Fingerprint;
-use octray::scene::{Filter, Scene, Side, Sky, Texels, Texture, Triangle, load};
+use octray::scene::{Filter, Scene, Side, Sky, Texels, Texture, Triangle, Wrap, load};
 
 #[test]
 fn each_change_of_a_scene_changes_one_checksum() {
@@ -10,14 +10,21 @@ fn each_change_of_a_scene_changes_one_checksum() {
     scene.textures.truncate(1);
     for texels in [Texels::Srgb8(vec![[5; 4]]), Texels::Float32(vec![[0.5, 0.25, 0.125, 0.0]])] {
         let filter = Filter::Nearest;
-        scene.textures.push(Texture { name: "t".into(), width: 1, height: 1, filter, texels });
+        scene.textures.push(Texture {
+            name: "t".into(),
+            width: 1,
+            height: 1,
+            filter,
+            wrap: Default::default(),
+            texels,
+        });
     }
     scene.triangles = vec![Triangle { vertices: [Vec3::ZERO, Vec3::X, Vec3::Y], material: 0 }];
     (scene.uvs, scene.normals) = (vec![[Vec2::ZERO; 3]], vec![[Vec3::Z; 3]]);
     let sums = |scene: &Scene| serde_json::to_value(Fingerprint::from_scene(scene)).unwrap();
     let own = sums(&scene);
     type Change = fn(&mut Scene);
-    let changes: [(Change, &str); 16] = [
+    let changes: [(Change, &str); 17] = [
         (|scene| scene.name.push('x'), ""),
         (|scene| scene.resolution[0] += 1, ""),
         (|scene| scene.camera.position.x += 1e-3, "camera"),
@@ -26,6 +33,7 @@ fn each_change_of_a_scene_changes_one_checksum() {
         (|scene| scene.textures[0].width += 1, "textures"),
         (|scene| scene.textures[1].texels = Texels::Srgb8(vec![[5, 4, 5, 5]]), "textures"),
         (|scene| scene.textures[1].filter = Filter::Bilinear, "textures"),
+        (|scene| scene.textures[1].wrap[1] = Wrap::Clamp, "textures"),
         (|scene| scene.textures[2].texels = Texels::Float32(vec![[0.5, 0.25, 0.25, 0.0]]), "textures"),
         (|scene| scene.spheres[0].radius *= 1.000_001, "spheres"),
         (|scene| scene.spheres[0].texture_turn += 0.5, "spheres"),

@@ -1,7 +1,7 @@
 //! The means of blocks of a texture, which measure the light of textured emitters.
 
 use super::mip_chain::halve;
-use crate::scene::Texture;
+use crate::scene::{Texture, Wrap};
 use glam::{DVec2, DVec3};
 
 /// The number of points along each side of a grid over a primitive at which its texture is read, and the
@@ -59,8 +59,14 @@ impl<'a> BlockMeans<'a> {
     pub fn mean(&self, level: usize, uv: DVec2) -> DVec3 {
         let above = level.checked_sub(1).map(|above| &self.levels[above]);
         let [width, height] = above.map_or([self.texture.width, self.texture.height], |(size, _)| *size);
-        let at = |x: f64, count: u32| (x.rem_euclid(1.0) * f64::from(count)) as usize % count as usize;
-        let index = at(1.0 - uv.y, height) * width as usize + at(uv.x, width);
+        let at = |x: f64, wrap: Wrap, count: u32| match wrap {
+            Wrap::Repeat => (wrap.fold(x) * f64::from(count)) as usize % count as usize,
+            Wrap::Clamp | Wrap::Mirror => {
+                ((wrap.fold(x) * f64::from(count)) as usize).min(count as usize - 1)
+            }
+        };
+        let [along_u, along_v] = self.texture.wrap;
+        let index = at(1.0 - uv.y, along_v, height) * width as usize + at(uv.x, along_u, width);
         DVec3::from_array(match above {
             None => self.texture.texels.linear(index),
             Some((_, means)) => means[index].map(f64::from),

@@ -2,7 +2,7 @@
 
 use super::rows::Rows;
 use crate::rays::Kind;
-use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels};
+use crate::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Wrap};
 use glam::Vec3;
 
 /// A set of features. A pipeline is compiled for a set and leaves out the code of all others; any set that
@@ -61,6 +61,8 @@ features! {
     EMISSION_MAPS = 23, "emission-maps";
     /// Some texture is filtered trilinearly: paths carry ray cones.
     LEVELS_OF_DETAIL = 24, "levels-of-detail";
+    /// Some texture of a surface is clamped or mirrored beyond its edges.
+    WRAPS = 32, "wraps";
 }
 
 impl Features {
@@ -74,6 +76,10 @@ impl Features {
         .with(Self::NORMAL_MAPS)
         .with(Self::ROUGHNESS_MAPS)
         .with(Self::EMISSION_MAPS);
+
+    /// The features of textures whose lookups are calls: one that may follow every lookup costs 6 % in
+    /// textured scenes.
+    pub const LONG_LOOKUPS: Features = Self::LEVELS_OF_DETAIL.with(Self::WRAPS);
 
     /// The features of all kinds of primitives.
     const KINDS: Features = {
@@ -139,6 +145,7 @@ impl Features {
             let texture = &scene.textures[texture as usize];
             need(texture.filter != Filter::Nearest, Self::BILINEAR);
             need(texture.filter == Filter::Trilinear, Self::LEVELS_OF_DETAIL);
+            need(texture.wrap != [Wrap::Repeat; 2], Self::WRAPS);
             need(matches!(texture.texels, Texels::Float32(_)), Self::LINEAR_TEXTURES);
         };
         if let Sky::Texture { texture: sky, .. } = scene.sky {

@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn sizes_are_halved_down_to_one_texel_and_memory_is_counted() {
         let (name, filter, texels) = (String::new(), Filter::Trilinear, Texels::Srgb8(vec![[0; 4]; 14]));
-        let odd = Texture { name, width: 7, height: 2, filter, texels };
+        let odd = Texture { name, width: 7, height: 2, filter, wrap: Default::default(), texels };
         let sizes: Vec<[u32; 2]> = odd.level_sizes().collect();
         assert_eq!(sizes, [[3, 1], [1, 1]]);
         assert_eq!(odd.bytes(), 4 * (14 + 3 + 1));
@@ -112,7 +112,7 @@ mod tests {
     fn bytes_of_data_are_rounded_to_the_nearest() {
         let (name, filter, texels) =
             (String::new(), Filter::Trilinear, Texels::Unorm8(vec![[0; 4], [255; 4]]));
-        let pair = Texture { name, width: 2, height: 1, filter, texels };
+        let pair = Texture { name, width: 2, height: 1, filter, wrap: Default::default(), texels };
         assert_eq!(mip_chain(&pair)[0].1, Texels::Unorm8(vec![[128, 128, 128, 0]]));
     }
 }

@@ -3,10 +3,10 @@
 use super::mip_chain::mip_chain;
 use super::rows::Rows;
 use crate::kernel::ray_cone::level_of_detail;
-use crate::kernel::texture::{Grid, TexturePoint, srgb_to_linear, unorm_to_unit};
+use crate::kernel::texture::{Grid, TexturePoint, WRAP_CODES, srgb_to_linear, unorm_to_unit};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
-use crate::scene::{Filter, TexelKind, Texels, Texture};
+use crate::scene::{Filter, TexelKind, Texels, Texture, Wrap};
 
 /// All textures of a scene, and a table with the position of each in its pool.
 pub struct Textures {
@@ -17,9 +17,12 @@ pub struct Textures {
     /// One row per texture: width, height, first texel (bits), bilinear (1 or 0), linear radiance (1 or 0),
     /// last level of detail, first row in `levels` (bits).
     grids: Rows,
-    /// One row per level of detail, each texture's own texels first: width, height, first texel (bits). Empty
-    /// if no texture has levels.
+    /// One row per level of detail, each texture's own texels first: width, height, first texel (bits), the
+    /// [`WRAP_CODES`] along u and v. Empty
+    /// if no texture has levels or a wrap other than repeating.
     levels: Rows,
+    /// Whether some texture does not repeat.
+    wraps: bool,
     /// Whether there are at most [`Rows::FEW`] textures.
     few: bool,
 }
@@ -31,7 +34,7 @@ pub struct Abilities {
     pub bilinear: bool,
     /// Whether some texture holds linear radiance.
     pub linear: bool,
-    /// Whether some texture has levels of detail. If none has, `levels` is empty.
+    /// Whether some texture has [`super::Features::LONG_LOOKUPS`]. If none has, `levels` is empty.
     pub levels: bool,
 }
 
@@ -48,7 +51,8 @@ impl Textures {
     pub(super) fn new(textures: &[Texture]) -> Self {
         let (mut display, mut linear) = (vec![0], vec![[0.0; 4]]);
         let (mut grids, mut levels) = (Vec::new(), Vec::new());
-        let has_levels = textures.iter().any(|texture| texture.filter == Filter::Trilinear);
+        let wraps = textures.iter().any(|texture| texture.wrap != [Wrap::Repeat; 2]);
+        let has_levels = wraps || textures.iter().any(|texture| texture.filter == Filter::Trilinear);
         let mut add = |[width, height]: [u32; 2], texels: &Texels| {
             let first = match texels {
                 Texels::Srgb8(texels) | Texels::Unorm8(texels) => {
@@ -70,17 +74,18 @@ impl Textures {
             let is_linear = flag(matches!(texture.texels, Texels::Float32(_)));
             let (row, mut last) = (f32::from_bits(levels.len() as u32), 0.0);
             if has_levels {
-                levels.push([width, height, first, 0.0, 0.0, 0.0, 0.0, 0.0]);
+                let [along_u, along_v] = texture.wrap.map(|wrap| WRAP_CODES[wrap as usize]);
+                levels.push([width, height, first, along_u, along_v, 0.0, 0.0, 0.0]);
                 for (size, texels) in mip_chain(texture) {
                     let [width, height, first] = add(size, &texels);
-                    levels.push([width, height, first, 0.0, 0.0, 0.0, 0.0, 0.0]);
+                    levels.push([width, height, first, along_u, along_v, 0.0, 0.0, 0.0]);
                     last += 1.0;
                 }
             }
             grids.push([width, height, first, is_bilinear, is_linear, last, row, 0.0]);
         }
         let (grids, levels) = (Rows::new(grids.into_iter()), Rows::new(levels.into_iter()));
-        Self { display, linear, grids, levels, few: textures.len() <= Rows::FEW }
+        Self { display, linear, grids, levels, wraps, few: textures.len() <= Rows::FEW }
     }
 
     /// Returns the colour or data of texture `index` at a point. Only lanes in `active` are looked up; the
@@ -127,8 +132,8 @@ impl Textures {
         }
     }
 
-    /// [`Textures::sample`] for textures with levels of detail: the level that the footprint chooses, blended
-    /// with the next one.
+    /// [`Textures::sample`] for textures with levels of detail, of which some may not repeat: the level that
+    /// the footprint chooses, blended with the next one.
     ///
     /// Not inlined: it is rarely needed, and much code.
     #[inline(never)]
@@ -145,9 +150,11 @@ impl Textures {
         let abilities = Abilities { bilinear: true, linear: true, levels: true };
         let filter = |level: L, active: L::Mask| {
             let index = row.to_bits().wrapping_add(level.truncate_to_int());
-            let [width, height, first, ..] =
+            let [width, height, first, along_u, along_v, ..] =
                 self.levels.fetch::<L>(L::Bits::select(active, index, zero), false);
             let grid = Grid { width, height, first: first.to_bits() };
+            let smooth = L::zero().lt(is_bilinear);
+            let at = if self.wraps { at.wrapped(&grid, [along_u, along_v], smooth) } else { at };
             self.filter(&grid, [is_bilinear, is_linear], at, Lookup { active, abilities, texel_kind })
         };
         let level = level_of_detail(at.footprint, width * height, last);

@@ -37,7 +37,7 @@ pub const fn reads_texels_first(n: u64) -> bool {
 /// The features with which a hit may have several texels, or one of more than four bytes.
 const MANY_TEXELS: Features = Features::BILINEAR
     .with(Features::LINEAR_TEXTURES)
-    .with(Features::LEVELS_OF_DETAIL)
+    .with(Features::LONG_LOOKUPS)
     .with(Features::ROUGHNESS_MAPS)
     .with(Features::NORMAL_MAPS)
     .with(Features::EMISSION_MAPS);
@@ -48,7 +48,7 @@ pub const fn abilities(n: u64) -> Abilities {
     Abilities {
         bilinear: has(n, Features::BILINEAR),
         linear: has(n, Features::LINEAR_TEXTURES),
-        levels: has(n, Features::LEVELS_OF_DETAIL),
+        levels: Features(n).meets(Features::LONG_LOOKUPS),
     }
 }
 

@@ -53,10 +53,10 @@ impl<L: Lane> MaterialSample<L> {
 
     #[inline(never)]
     fn called(context: &TraceContext, surface: &Surface<L>, found: L::Mask) -> Self {
-        if context.carries_cones::<{ Features::ALL.0 }>() {
+        if context.buffers.needs.meets(Features::LONG_LOOKUPS) {
             Self::inlined::<{ Features::ALL.0 }>(context, surface, found)
         } else {
-            Self::inlined::<{ WITHOUT_LEVELS.0 }>(context, surface, found)
+            Self::inlined::<{ WITHOUT_LONG_LOOKUPS.0 }>(context, surface, found)
         }
     }
 
@@ -258,9 +258,8 @@ fn color_textures<L: Lane, const N: u64>(
     (code, found & !code.equals(none))
 }
 
-/// The features of the general pipeline if no texture has levels of detail. A call that may follow every
-/// lookup costs 6 % in textured scenes.
-const WITHOUT_LEVELS: Features = Features::ALL.without(Features::LEVELS_OF_DETAIL);
+/// The features of the general pipeline if no texture has [`Features::LONG_LOOKUPS`].
+const WITHOUT_LONG_LOOKUPS: Features = Features::ALL.without(Features::LONG_LOOKUPS);
 
 /// The features that look up textures on surfaces.
 const TEXTURED: Features = Features::TEXTURES

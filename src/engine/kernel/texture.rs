@@ -20,6 +20,36 @@ pub struct TexturePoint<L: Lane> {
     pub footprint: L,
 }
 
+impl<L: Lane> TexturePoint<L> {
+    /// Returns the points at which a texture that repeats shows what a clamped or mirrored one shows at
+    /// these, between texel centres in the lanes of `smooth`. `wrap` has one of [`WRAP_CODES`] for u and v
+    /// each. Lanes of `clamp_v` keep their point, because u and v go once around a sphere.
+    ///
+    /// Mirrored texels at an edge are their own neighbours, as clamped ones are: no lookup blends across an
+    /// edge. Points stay away from it by half a texel and by more than what rounding could undo.
+    ///
+    /// Error: less than size · 2⁻²¹ texels.
+    #[inline(always)]
+    pub fn wrapped(self, grid: &Grid<L>, wrap: [L; 2], smooth: L::Mask) -> Self {
+        let (half, one, two) = (L::splat(0.5), L::one(), L::splat(2.0));
+        let fold = |x: L, wrap: L, size: L| {
+            let period = x - two * (x * half).floor();
+            let mirrored = period.min(two - period);
+            let inset = (half / size).only(smooth) * L::splat(1.0 + INSET);
+            let clamped = L::select(one.lt(wrap), mirrored, x);
+            let clamped = clamped.max(inset).min((one - inset) * L::splat(1.0 - INSET));
+            L::select(self.clamp_v | wrap.le(L::zero()), x, clamped)
+        };
+        Self { u: fold(self.u, wrap[0], grid.width), v: fold(self.v, wrap[1], grid.height), ..self }
+    }
+}
+
+/// Four roundings of single precision.
+const INSET: f32 = 4.0 / 16_777_216.0;
+
+/// The codes of textures that repeat, are clamped, and are mirrored.
+pub const WRAP_CODES: [f32; 3] = [0.0, 1.0, 2.0];
+
 /// The size and position of each lane's texture among the texels.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<L: Lane> {

@@ -11,7 +11,6 @@ use crate::lane::{Bits, Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
 use crate::rays::Kind;
 use crate::scene::{Scene, Triangle};
-use glam::Vec2;
 
 /// The tables of a scene's triangles.
 pub struct TriangleTables {
@@ -41,7 +40,7 @@ impl TriangleTables {
         Self {
             rows: Rows::new(packed),
             are_parallel: scene.triangles.iter().map(normal).all(|n| n == first || n == -first),
-            uvs: Rows::new(scene.triangles.iter().zip(&scene.uvs).map(uv_row)),
+            uvs: Rows::new(uv_rows(scene)),
             normals: Rows::new(scene.normals.iter().flat_map(normal_rows)),
             tangents: Rows::new(tangent_rows(scene)),
         }
@@ -113,11 +112,19 @@ fn normal_rows([a, b, c]: &[glam::Vec3; 3]) -> [[f32; 8]; 2] {
     [[a.x, a.y, a.z, b.x, b.y, b.z, 0.0, 0.0], [c.x, c.y, c.z, 0.0, 0.0, 0.0, 0.0, 0.0]]
 }
 
-/// Returns a row of [`TriangleTables::uvs`].
-fn uv_row((triangle, uvs): (&Triangle, &[Vec2; 3])) -> [f32; 8] {
-    let [au, bu, cu] = surface::remove_shared_repeats(uvs.map(|uv| f64::from(uv.x)));
-    let [av, bv, cv] = surface::remove_shared_repeats(uvs.map(|uv| 1.0 - f64::from(uv.y)));
-    [au, av, bu, bv, cu, cv, surface::texture_density(triangle.vertices, *uvs), 0.0]
+/// Returns the rows of [`TriangleTables::uvs`].
+fn uv_rows(scene: &Scene) -> impl Iterator<Item = [f32; 8]> {
+    let repeats: Vec<bool> =
+        scene.materials.iter().map(|material| material.repeats(&scene.textures)).collect();
+    scene.triangles.iter().zip(&scene.uvs).map(move |(triangle, uvs)| {
+        let along = |corners: [f64; 3]| match repeats[triangle.material as usize] {
+            true => surface::remove_shared_repeats(corners),
+            false => corners.map(|corner| corner as f32),
+        };
+        let [au, bu, cu] = along(uvs.map(|uv| f64::from(uv.x)));
+        let [av, bv, cv] = along(uvs.map(|uv| 1.0 - f64::from(uv.y)));
+        [au, av, bu, bv, cu, cv, surface::texture_density(triangle.vertices, *uvs), 0.0]
+    })
 }
 
 /// Iterates over the rows of [`TriangleTables::tangents`].

@@ -1,5 +1,6 @@
 //! Materials.
 
+use super::texture::{Texture, Wrap};
 use glam::Vec3;
 
 /// The way in which a surface scatters and emits light.
@@ -44,6 +45,10 @@ impl Material {
     /// Tests whether the material emits light.
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
+    }
+    /// Tests whether all textures of the material, which are in this list, repeat in both directions.
+    pub fn repeats(&self, textures: &[Texture]) -> bool {
+        self.textures().all(|index| textures[index as usize].wrap == [Wrap::Repeat; 2])
     }
     /// Iterates over all textures of the material.
     pub fn textures(&self) -> impl Iterator<Item = u32> {

@@ -10,4 +10,4 @@ pub use camera::{Camera, CameraFault, MIN_LENGTH};
 pub use material::{Material, MaterialKind};
 pub use model::*;
 pub use octray_rays::coordinates::{Coordinates, MAX_COORDINATE};
-pub use texture::{Filter, SRGB_BORDERS, TexelKind, Texels, Texture, srgb_to_linear};
+pub use texture::{Filter, SRGB_BORDERS, TexelKind, Texels, Texture, Wrap, srgb_to_linear};

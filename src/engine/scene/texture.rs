@@ -14,6 +14,8 @@ pub struct Texture {
     pub height: u32,
     /// The interpolation between texel centres.
     pub filter: Filter,
+    /// The continuation beyond the edges, along u and along v.
+    pub wrap: [Wrap; 2],
     /// The `width · height` texels, row by row from the top.
     pub texels: Texels,
 }
@@ -122,8 +124,39 @@ pub fn srgb_to_linear(x: f64) -> f64 {
 pub static SRGB_BORDERS: LazyLock<[f64; 255]> =
     LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear((byte as f64 + 0.5) / 255.0)));
 
-/// The interpolation between texel centres. A texture repeats in both directions; on spheres and the sky v is
+/// The continuation of a texture beyond its edges on triangles. On spheres and the sky u repeats, and v is
 /// clamped, because it stays within [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Wrap {
+    /// The texture repeats.
+    #[default]
+    Repeat,
+    /// The texels at the edge continue.
+    Clamp,
+    /// The texture repeats, every second time mirrored.
+    Mirror,
+}
+
+impl Wrap {
+    /// Returns its name in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Repeat => "repeat",
+            Self::Clamp => "clamp",
+            Self::Mirror => "mirror",
+        }
+    }
+    /// Returns the coordinate in [0, 1] at which the texture shows what it shows at `x`.
+    pub fn fold(self, x: f64) -> f64 {
+        match self {
+            Self::Repeat => x.rem_euclid(1.0),
+            Self::Clamp => x.clamp(0.0, 1.0),
+            Self::Mirror => 1.0 - (1.0 - x.rem_euclid(2.0)).abs(),
+        }
+    }
+}
+
+/// The interpolation between texel centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Filter {
     /// The nearest texel.

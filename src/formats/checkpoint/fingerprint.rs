@@ -1,7 +1,7 @@
 //! Condenses the content of a scene to a few checksums.
 
 use crc32fast::Hasher;
-use octray_engine::scene::{Scene, Sphere, Texels, Texture, Triangle};
+use octray_engine::scene::{Scene, Sphere, Texels, Texture, Triangle, Wrap};
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
@@ -76,9 +76,13 @@ fn triangle_words(triangle: &Triangle) -> impl Iterator<Item = u32> {
 
 fn hash_textures(textures: &[Texture]) -> String {
     let mut hasher = Hasher::new();
-    for Texture { name: _, width, height, filter, texels } in textures {
+    for Texture { name: _, width, height, filter, wrap, texels } in textures {
         let kind = std::mem::discriminant(texels);
         hasher.update(format!("{width} {height} {filter:?} {kind:?}").as_bytes());
+        // Textures that repeat keep their checksums from before there were others.
+        if *wrap != [Wrap::Repeat; 2] {
+            hasher.update(format!(" {wrap:?}").as_bytes());
+        }
         match texels {
             Texels::Srgb8(texels) | Texels::Unorm8(texels) => hasher.update(bytemuck::cast_slice(texels)),
             Texels::Float32(texels) => {

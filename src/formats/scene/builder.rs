@@ -5,7 +5,8 @@ use super::error::SceneError;
 use super::files::Files;
 use super::notes::Notes;
 use super::placement::Placement;
-use super::texture::Textures;
+use super::smooth;
+use super::texture::{Lookup, Textures};
 use super::vertex_colors::VertexColors;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use octray_engine::scene::{
@@ -37,15 +38,42 @@ pub struct Attributes {
     pub colors: Option<[Vec3; 3]>,
 }
 
+/// A scale and then an offset of texture coordinates.
+#[derive(Clone, Copy, PartialEq)]
+pub struct UvTransform {
+    pub scale: DVec2,
+    pub offset: DVec2,
+}
+
+impl UvTransform {
+    pub const IDENTITY: Self = Self { scale: DVec2::ONE, offset: DVec2::ZERO };
+
+    /// Returns the transformed coordinates; 0 for those beyond single precision.
+    fn apply(&self, uvs: [Vec2; 3]) -> [Vec2; 3] {
+        let uvs = uvs.map(|uv| (uv.as_dvec2() * self.scale + self.offset).as_vec2());
+        if uvs.iter().all(|uv| uv.is_finite()) { uvs } else { [Vec2::ZERO; 3] }
+    }
+}
+
+/// The mapping of a material's textures onto triangles.
+#[derive(Clone, Copy)]
+struct Mapping {
+    /// Scene units that one repeat of a texture covers on a triangle without `uvs`.
+    texture_size: f64,
+    transform: UvTransform,
+}
+
 /// A scene under construction.
 #[derive(Default)]
 pub struct SceneBuilder {
-    /// Scene units that one repeat of each material's texture covers on a triangle without `uvs`.
-    texture_sizes: Vec<f64>,
+    /// The mapping of each material's textures.
+    mappings: Vec<Mapping>,
     default_material: Option<u32>,
     /// The origin of the scene's coordinates, if it is known before them.
     pub origin: Option<DVec3>,
     has_coordinates: bool,
+    /// The unrounded points of triangles, if they are kept.
+    points: Option<Vec<[DVec3; 3]>>,
     pub textures: Textures,
     /// Materials, primitives and warnings so far.
     pub scene: Scene,
@@ -69,8 +97,12 @@ impl SceneBuilder {
     }
     pub fn add_material(&mut self, material: Material, texture_size: f64) -> u32 {
         self.scene.materials.push(material);
-        self.texture_sizes.push(texture_size);
+        self.mappings.push(Mapping { texture_size, transform: UvTransform::IDENTITY });
         (self.scene.materials.len() - 1) as u32
+    }
+    /// Sets the transform of texture coordinates on triangles of a material that are still to come.
+    pub fn transform_uvs(&mut self, material: u32, transform: UvTransform) {
+        self.mappings[material as usize].transform = transform;
     }
     /// Returns the material of primitives that name none.
     pub fn default_material(&mut self) -> u32 {
@@ -133,12 +165,18 @@ impl SceneBuilder {
             None => (material, attributes.uvs),
         };
         let is_textured = self.scene.materials[material as usize].textures().next().is_some();
-        let size = self.texture_sizes[material as usize];
-        let uvs = is_textured.then(|| uvs.unwrap_or_else(|| self.planar_uvs(vertices, size)));
+        let Mapping { texture_size, transform } = self.mappings[material as usize];
+        let planar = || {
+            let repeats = self.scene.materials[material as usize].repeats(&self.textures.list);
+            self.planar_uvs(vertices, texture_size, repeats)
+        };
+        let uvs = is_textured.then(|| uvs.unwrap_or_else(planar));
+        let uvs = uvs.map(|uvs| if transform == UvTransform::IDENTITY { uvs } else { transform.apply(uvs) });
         let normals = attributes.normals.filter(|normals| is_smooth(vertices, *normals));
         push_at(&mut self.scene.uvs, before, uvs);
         push_at(&mut self.scene.normals, before, normals);
         self.scene.triangles.push(Triangle { vertices, material });
+        self.points.iter_mut().for_each(|points| points.push(unrounded));
         self.scene.unrounded.iter_mut().for_each(|all| all.triangles.push(unrounded));
         true
     }
@@ -164,7 +202,7 @@ impl SceneBuilder {
     /// flatter than [`FLAT`], the texture's upper edge points to −z, and the texture is not mirrored seen
     /// from above. On steeper planes the upper edge points to +y, and the texture is not mirrored seen from
     /// +z or, if the normal has no z, from +x.
-    fn planar_uvs(&self, vertices: [Vec3; 3], size: f64) -> [Vec2; 3] {
+    fn planar_uvs(&self, vertices: [Vec3; 3], size: f64, repeats: bool) -> [Vec2; 3] {
         let [a, b, c] = vertices.map(|vertex| self.scene.coordinates.to_file(vertex.as_dvec3()));
         let n = (b - a).cross(c - a).normalize();
         let flat = n.y.abs() > FLAT;
@@ -174,7 +212,7 @@ impl SceneBuilder {
         let right = up.cross(n);
         let uvs = [a, b, c].map(|p| DVec2::new(p.dot(right), p.dot(up)) / size);
         // Whole repeats are invisible. Without them, single precision has more digits for the fraction.
-        let whole = uvs[0].min(uvs[1]).min(uvs[2]).floor();
+        let whole = if repeats { uvs[0].min(uvs[1]).min(uvs[2]).floor() } else { DVec2::ZERO };
         uvs.map(|uv| (uv - whole).as_vec2())
     }
     pub fn warn(&mut self, warning: impl Into<String>) {
@@ -192,8 +230,26 @@ impl SceneBuilder {
         model: &Path,
         texel_kind: TexelKind,
     ) -> Option<u32> {
-        let found = self.textures.find(name, [named_in, model], Filter::Bilinear, texel_kind);
+        let lookup = Lookup::repeating(Filter::Bilinear, texel_kind);
+        let found = self.textures.find(name, [named_in, model], lookup);
         found.map_err(|why| self.notes.add(line, format!("the texture `{name}` is left out: {why}"))).ok()
+    }
+    /// Begins to keep the points of added triangles, for [`SceneBuilder::smooth`].
+    pub fn keep_points(&mut self) {
+        self.points = Some(Vec::new());
+    }
+    /// Replaces the normals of the triangles that were added since [`SceneBuilder::keep_points`] by smooth
+    /// ones, over edges of at most so many degrees.
+    pub fn smooth(&mut self, degrees: f64) {
+        let points = self.points.take().unwrap_or_default();
+        let first = self.scene.triangles.len() - points.len();
+        self.scene.normals.truncate(first);
+        for (number, normals) in (first..).zip(smooth::normals(&points, degrees)) {
+            let is_whole = !normals.contains(&Vec3::ZERO);
+            let vertices = self.scene.triangles[number].vertices;
+            let normals = Some(normals).filter(|normals| is_whole && is_smooth(vertices, *normals));
+            push_at(&mut self.scene.normals, number, normals);
+        }
     }
     /// Turns the notes about a file into warnings, with `separator` between the file's name and the place.
     pub fn warn_of_notes(&mut self, path: &Path, separator: &str) {

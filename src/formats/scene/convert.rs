@@ -13,7 +13,7 @@ use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use octray_engine::film::Picture;
-use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture};
+use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture, Wrap};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -186,8 +186,12 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
     for (key, index) in textures.into_iter().filter(|_| !is_colored) {
         let Some(index) = index.map(|index| index as usize) else { continue };
         set(key, json!(paths[index]));
-        if scene.textures[index].filter == Filter::Nearest {
+        let Texture { filter, wrap, .. } = &scene.textures[index];
+        if *filter == Filter::Nearest {
             set("filter", json!("nearest"));
+        }
+        if *wrap != [Wrap::Repeat; 2] {
+            set("wrap", json!(wrap.map(Wrap::name)));
         }
     }
     Value::Object(keys).to_string()

@@ -3,10 +3,11 @@
 use super::builder::SceneBuilder;
 use super::error::SceneError;
 use super::json::JsonPath;
-use super::native::{FilterFile, MaterialFile, SkyFile};
+use super::native::{FilterFile, MaterialFile, SkyFile, WrapFile, WrapsFile};
 use super::spelling::did_you_mean;
+use super::texture::Lookup;
 use glam::Vec3;
-use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, Sky, TexelKind};
+use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, Sky, TexelKind, Wrap};
 
 /// Least texture size. With a smaller one, texture coordinates could be infinite in single precision.
 const MIN_TEXTURE_SIZE: f64 = MIN_LENGTH;
@@ -56,7 +57,8 @@ pub fn material(
         None => Vec3::ZERO,
     };
     let mut load = |key: &'static str, path: &Option<String>, texel_kind| {
-        let load = |path| texture(builder, &place.key(key), path, file.filter, texel_kind);
+        let lookup = Lookup { filter: filter(file.filter), wrap: wrap(file.wrap), kind: texel_kind };
+        let load = |path| texture(builder, &place.key(key), path, lookup);
         path.as_deref().map(load).transpose()
     };
     let material = Material {
@@ -133,6 +135,7 @@ fn check_keys(file: &MaterialFile, place: &JsonPath) -> Result<(), SceneError> {
     let pictures = [&file.texture, &file.roughness_map, &file.normal_map, &file.emission_map];
     if pictures.iter().all(|path| path.is_none()) {
         needs_texture("filter", file.filter.is_some(), place, "")?;
+        needs_texture("wrap", file.wrap.is_some(), place, "")?;
         needs_texture("texture_size", file.texture_size.is_some(), place, "")?;
     }
     Ok(())
@@ -170,22 +173,37 @@ fn ior(place: &JsonPath, material_type: &str, x: f64) -> Result<f32, SceneError>
     if range.contains(&x) { place.number(x) } else { Err(place.error(what, mend)) }
 }
 
+fn filter(file: Option<FilterFile>) -> Filter {
+    match file {
+        Some(FilterFile::Nearest) => Filter::Nearest,
+        Some(FilterFile::Bilinear) | None => Filter::Bilinear,
+        Some(FilterFile::Trilinear) => Filter::Trilinear,
+    }
+}
+
+fn wrap(file: Option<WrapsFile>) -> [Wrap; 2] {
+    let each = match file {
+        Some(WrapsFile::Each(each)) => each,
+        Some(WrapsFile::Both(both)) => [both; 2],
+        None => [WrapFile::Repeat; 2],
+    };
+    each.map(|wrap| match wrap {
+        WrapFile::Repeat => Wrap::Repeat,
+        WrapFile::Clamp => Wrap::Clamp,
+        WrapFile::Mirror => Wrap::Mirror,
+    })
+}
+
 fn texture(
     builder: &mut SceneBuilder,
     place: &JsonPath,
     path: &str,
-    filter: Option<FilterFile>,
-    texel_kind: TexelKind,
+    lookup: Lookup,
 ) -> Result<u32, SceneError> {
-    let filter = match filter {
-        Some(FilterFile::Nearest) => Filter::Nearest,
-        Some(FilterFile::Bilinear) | None => Filter::Bilinear,
-        Some(FilterFile::Trilinear) => Filter::Trilinear,
-    };
     let full = builder.files().resolve(path);
-    builder.textures.load(&full, path, filter, texel_kind).map_err(|reason| {
+    builder.textures.load(&full, path, lookup).map_err(|reason| {
         let mend = format!(
-            "the file searched for is {}: give the path of an image (png, jpg, bmp, tga, hdr, exr) relative to the scene \
+            "the file searched for is {}: give the path of an image (png, jpg, webp, bmp, tga, hdr, exr) relative to the scene \
              file",
             full.display()
         );
@@ -212,10 +230,13 @@ pub fn sky(builder: &mut SceneBuilder, file: &SkyFile, place: &JsonPath) -> Resu
             let mend = "keep `gradient` alone, or remove it and keep `color` and `texture`";
             Err(place.error("a sky cannot have a `gradient` and a `color` or `texture`", mend))
         }
-        SkyFile { color, texture: Some(path), filter, turn_degrees, .. } => Ok(Sky::Texture {
+        SkyFile { color, texture: Some(path), turn_degrees, .. } => Ok(Sky::Texture {
             turn: place.key("turn_degrees").turns(*turn_degrees)?,
             color: place.key("color").radiance(color.unwrap_or([1.0; 3]))?,
-            texture: texture(builder, &place.key("texture"), path, *filter, TexelKind::Color)?,
+            texture: {
+                let lookup = Lookup::repeating(filter(file.filter), TexelKind::Color);
+                texture(builder, &place.key("texture"), path, lookup)?
+            },
         }),
         SkyFile { color: Some(color), .. } => Ok(Sky::Color(place.key("color").radiance(*color)?)),
         _ => {

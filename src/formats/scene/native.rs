@@ -41,6 +41,8 @@ pub fn example(key: &str) -> Option<&'static str> {
         "model" | "obj" => "\"bunny.obj\"",
         "texture" | "roughness_map" | "normal_map" | "emission_map" => "\"picture.png\"",
         "filter" => "\"bilinear\"",
+        "wrap" => "\"clamp\"",
+        "smooth" => "30",
         "picture_from" => "\"inside\"",
         "scene" => "\"scene.json\"",
         "frame" => "1",
@@ -118,6 +120,25 @@ pub enum FilterFile {
     Trilinear,
 }
 
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+pub enum WrapFile {
+    Repeat,
+    Clamp,
+    Mirror,
+}
+
+/// The wraps along u and along v, or one for both.
+#[derive(Deserialize, Clone, Copy)]
+#[serde(
+    untagged,
+    expecting = "\"repeat\", \"clamp\" or \"mirror\", or two of them, for u and v, expected \"clamp\""
+)]
+pub enum WrapsFile {
+    Both(WrapFile),
+    Each([WrapFile; 2]),
+}
+
 /// A material with the keys of all types. `material` checks which of them belong to `type`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -136,6 +157,7 @@ pub struct MaterialFile {
     /// Scene units that one repeat of the texture covers on triangles without `uvs`.
     pub texture_size: Option<f64>,
     pub filter: Option<FilterFile>,
+    pub wrap: Option<WrapsFile>,
 }
 
 #[derive(Deserialize)]
@@ -180,6 +202,8 @@ pub struct MeshFile {
     pub translate: Option<[f64; 3]>,
     /// About the x axis, then the y axis, then the z axis.
     pub rotate_degrees: Option<[f64; 3]>,
+    /// Missing: the model's own normals.
+    pub smooth: Option<f64>,
     pub scale: Option<f64>,
 }
 

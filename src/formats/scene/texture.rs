@@ -1,4 +1,4 @@
-//! Decodes PNG, JPEG, BMP, TGA, HDR and EXR files to textures.
+//! Decodes PNG, JPEG, WebP, BMP, TGA, HDR and EXR files to textures.
 
 use super::colorimetry::{self, linear, to_rec709};
 use super::files::Files;
@@ -10,7 +10,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, GenericImageView, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use moxcms::ColorProfile;
 use octray_engine::film::Picture;
-use octray_engine::scene::{Filter, TexelKind, Texels, Texture, srgb_to_linear};
+use octray_engine::scene::{Filter, TexelKind, Texels, Texture, Wrap, srgb_to_linear};
 use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -25,13 +25,33 @@ const MAX_PIXELS_OF_BYTE: u64 = 8 * 1_032;
 /// Most bytes of the textures of a scene, levels of detail included: four for a texel with 8 bits a channel,
 /// sixteen for others.
 const MAX_BYTES: usize = 4 << 30;
+/// Number of pixels up to which a WebP file may have any size: one of a single colour has 40 bytes.
+const FEW_PIXELS: u64 = 1 << 24;
 /// Least number of bytes that a texture counts for its name and its places in tables.
 const LEAST_BYTES: usize = 1 << 10;
 
 /// Width, height and texels of an image.
-type Decoded = (u32, u32, Texels);
+pub type Decoded = (u32, u32, Texels);
 
-/// The textures of one scene. Each file is loaded once for each filter and kind of texels.
+/// The way in which a texture is read.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Lookup {
+    pub filter: Filter,
+    pub wrap: [Wrap; 2],
+    pub kind: TexelKind,
+}
+
+impl Lookup {
+    /// Returns the lookup of textures that repeat.
+    pub fn repeating(filter: Filter, kind: TexelKind) -> Self {
+        Self { filter, wrap: [Wrap::Repeat; 2], kind }
+    }
+}
+
+/// Makes the texels that are kept of an image.
+pub type Change<'a> = dyn FnMut(&mut Textures, Decoded) -> Decoded + 'a;
+
+/// The textures of one scene. Each file is loaded once for each lookup.
 #[derive(Default)]
 pub struct Textures {
     /// The files that they come from.
@@ -42,36 +62,50 @@ pub struct Textures {
     /// A sentence about everything of image files that is left out.
     pub left_out: Vec<String>,
     bytes: usize,
-    known: HashMap<(PathBuf, Filter, TexelKind), u32>,
+    known: HashMap<(PathBuf, Lookup), u32>,
 }
 
 impl Textures {
     /// Loads the texture at a resolved path, and returns its index, or the reason why it cannot be loaded.
     /// `name` is for messages.
-    pub fn load(
-        &mut self,
-        path: &Path,
-        name: &str,
-        filter: Filter,
-        texel_kind: TexelKind,
-    ) -> Result<u32, String> {
-        let read =
-            |textures: &mut Self| textures.decode(&textures.files.clone().read(path)?, path, texel_kind);
-        self.add((path.to_path_buf(), filter, texel_kind), name, read)
+    pub fn load(&mut self, path: &Path, name: &str, lookup: Lookup) -> Result<u32, String> {
+        self.add((path.to_path_buf(), lookup), name, |textures| textures.read(path, lookup.kind))
     }
     /// Loads the texture that a model names in a file, `beside`: see [`Files::find`].
-    pub fn find(
+    pub fn find(&mut self, name: &str, beside: [&Path; 2], lookup: Lookup) -> Result<u32, String> {
+        self.find_changed(name, beside, lookup, "", &mut |_, image| image)
+    }
+    /// Loads the texture that a model names in a file, `beside`, and changes it. `what` names the change.
+    pub fn find_changed(
         &mut self,
         name: &str,
         beside @ [_, model]: [&Path; 2],
-        filter: Filter,
-        texel_kind: TexelKind,
+        lookup: Lookup,
+        what: &str,
+        change: &mut Change,
     ) -> Result<u32, String> {
         let folder = model.parent().unwrap_or(Path::new(""));
         self.files.clone().find(name, beside, |path| {
             let shown = path.strip_prefix(folder).unwrap_or(path).to_string_lossy();
-            self.load(path, &shown, filter, texel_kind)
+            let mut key = path.as_os_str().to_owned();
+            key.push(what);
+            self.add((key.into(), lookup), &format!("{shown}{what}"), |textures| {
+                let image = textures.read(path, lookup.kind)?;
+                Ok(change(textures, image))
+            })
         })
+    }
+    /// Decodes the image that a model names in a file, `beside`. The scene does not keep it.
+    pub fn find_image(
+        &mut self,
+        name: &str,
+        beside: [&Path; 2],
+        texel_kind: TexelKind,
+    ) -> Result<Decoded, String> {
+        self.files.clone().find(name, beside, |path| self.read(path, texel_kind))
+    }
+    fn read(&mut self, path: &Path, texel_kind: TexelKind) -> Result<Decoded, String> {
+        self.decode(&self.files.clone().read(path)?, path, texel_kind)
     }
     /// Loads a texture from the content of an image file. `change` makes the texels that are kept; `path`
     /// names the image and the change.
@@ -80,12 +114,11 @@ impl Textures {
         content: impl FnOnce() -> Result<Vec<u8>, String>,
         change: impl FnOnce(Texels) -> Texels,
         path: &Path,
-        filter: Filter,
-        texel_kind: TexelKind,
+        lookup: Lookup,
     ) -> Result<u32, String> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        self.add((path.to_path_buf(), filter, texel_kind), &name, |textures| {
-            let (width, height, texels) = textures.decode(&content()?, path, texel_kind)?;
+        self.add((path.to_path_buf(), lookup), &name, |textures| {
+            let (width, height, texels) = textures.decode(&content()?, path, lookup.kind)?;
             Ok((width, height, change(texels)))
         })
     }
@@ -103,7 +136,7 @@ impl Textures {
     /// Adds a texture, unless it is known, and returns its index.
     fn add(
         &mut self,
-        key: (PathBuf, Filter, TexelKind),
+        key: (PathBuf, Lookup),
         name: &str,
         decode: impl FnOnce(&mut Self) -> Result<Decoded, String>,
     ) -> Result<u32, String> {
@@ -111,7 +144,8 @@ impl Textures {
             return Ok(known);
         }
         let (width, height, texels) = decode(self)?;
-        let texture = Texture { name: name.to_string(), width, height, filter: key.1, texels };
+        let Lookup { filter, wrap, .. } = key.1;
+        let texture = Texture { name: name.to_string(), width, height, filter, wrap, texels };
         self.bytes += texture.bytes().max(LEAST_BYTES);
         if self.bytes > MAX_BYTES {
             return Err(format!("the scene's textures take more than {MAX_BYTES} bytes"));
@@ -157,7 +191,7 @@ fn decode(
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_IMAGE_SIDE), Some(MAX_IMAGE_SIDE));
     limits.max_alloc = Some(MAX_IMAGE_BYTES);
     reader.limits(limits);
-    let format = reader.format().ok_or("it is not a PNG, JPEG, BMP, TGA, HDR or EXR image")?;
+    let format = reader.format().ok_or("it is not a PNG, JPEG, WebP, BMP, TGA, HDR or EXR image")?;
     let refused = |error| match error {
         ImageError::Limits(_) => too_large(),
         error => format!("the image is broken: {error}"),
@@ -171,7 +205,8 @@ fn decode(
         return Err(too_large());
     }
     // A decoder allocates memory for the whole picture before it finds the end of the file.
-    if u64::from(width) * u64::from(height) > bytes.len() as u64 * MAX_PIXELS_OF_BYTE {
+    let free = if format == ImageFormat::WebP { FEW_PIXELS } else { 0 };
+    if u64::from(width) * u64::from(height) > free.max(bytes.len() as u64 * MAX_PIXELS_OF_BYTE) {
         return Err(format!("its {} bytes are too few for {width}x{height} pixels", bytes.len()));
     }
     if let Some(radiance) = &radiance {
@@ -326,7 +361,8 @@ mod tests {
     fn textures_are_counted_and_end_at_the_limit() {
         let add = |textures: &mut Textures, name: &str, filter, texels: u32| {
             let decoded = (1, texels, Texels::Float32(vec![[0.0; 4]; texels as usize]));
-            textures.add((PathBuf::from(name), filter, TexelKind::Color), name, |_| Ok(decoded))
+            let lookup = Lookup::repeating(filter, TexelKind::Color);
+            textures.add((PathBuf::from(name), lookup), name, |_| Ok(decoded))
         };
         let mut textures = Textures { bytes: MAX_BYTES - 17_024, ..Textures::default() };
         // 16 bytes each texel, and not less than a kilobyte.

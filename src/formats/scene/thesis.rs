@@ -242,7 +242,11 @@ impl Loader {
         let files = self.builder.files();
         let found = candidates(files, path).into_iter().find(|path| files.read(path).is_ok());
         let loaded = match found {
-            Some(found) => self.builder.textures.load(&found, path, Filter::Nearest, TexelKind::Color),
+            Some(found) => self.builder.textures.load(
+                &found,
+                path,
+                super::texture::Lookup::repeating(Filter::Nearest, TexelKind::Color),
+            ),
             None => {
                 let reason =
                     "no such file beside the scene, in the folders above it or in the working folder";

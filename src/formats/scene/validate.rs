@@ -281,6 +281,10 @@ impl<'a> Loader<'a> {
             let mend = "write one number above 0 and up to 1e18; a mesh cannot be mirrored";
             return Err(place.key("scale").error(format!("a mesh cannot be scaled by {scale}"), mend));
         }
+        if let Some(degrees) = file.smooth.filter(|degrees| !(0.0..=180.0).contains(degrees)) {
+            let mend = "write the largest angle of an edge that is smooth, from 0 (flat) to 180 degrees";
+            return Err(place.key("smooth").error(format!("normals smooth over {degrees}°"), mend));
+        }
         let material = file.material.as_ref().map(|name| self.material(Some(name), place)).transpose()?;
         let placement = Placement::new(scale, rotate, DVec3::from(translate));
         let (key, name) = match (&file.model, &file.obj) {
@@ -313,7 +317,11 @@ impl<'a> Loader<'a> {
             }
         };
         let before = self.builder.scene.triangles.len();
+        if file.smooth.is_some() {
+            self.builder.keep_points();
+        }
         let added = model.add(&path, &mut self.builder, material, &placement);
+        file.smooth.into_iter().for_each(|degrees| self.builder.smooth(degrees));
         let uses = self.uses[name.as_str()];
         if uses > 1 && !is_copy {
             self.models.insert(name, model);

@@ -13,7 +13,7 @@
 use super::error::SceneError;
 use super::texture::Textures;
 use glam::{Vec2, Vec3};
-use octray_engine::scene::{Filter, MAX_SIDE, Texels, Texture};
+use octray_engine::scene::{Filter, MAX_SIDE, Texels, Texture, Wrap};
 use std::collections::HashMap;
 
 /// The name of the texture.
@@ -46,6 +46,7 @@ impl VertexColors {
                 width: 1,
                 height: 1,
                 filter: Filter::Bilinear,
+                wrap: [Wrap::Repeat; 2],
                 texels: Texels::Float32(vec![[1.0, 1.0, 1.0, 0.0]]),
             });
             (textures.list.len() - 1) as u32

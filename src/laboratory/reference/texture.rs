@@ -1,6 +1,6 @@
 //! Texture lookup at a point of the unit square, columns from the left, rows from the top; levels of detail.
 
-use crate::scene::{Filter, Side, Texels, Texture};
+use crate::scene::{Filter, Side, Texels, Texture, Wrap};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -63,7 +63,8 @@ impl Levels {
                 }
             };
             let [width, height] = [columns as u32, rows as u32];
-            levels.push(Texture { name: String::new(), width, height, filter: texture.filter, texels });
+            let (name, wrap) = (String::new(), texture.wrap);
+            levels.push(Texture { name, width, height, filter: texture.filter, wrap, texels });
         }
         Self(levels)
     }
@@ -88,24 +89,36 @@ fn overlaps(count: usize, halved: usize, index: usize) -> impl Iterator<Item = (
     (from as usize..(to.ceil() as usize).min(count)).map(move |texel| (texel, part(texel) / (to - from)))
 }
 
+/// The texel, of `count` in a line, that stands at `index` of the endless line.
+fn continued(index: i64, count: i64, wrap: Wrap) -> i64 {
+    match wrap {
+        Wrap::Repeat => index.rem_euclid(count),
+        Wrap::Clamp => index.clamp(0, count - 1),
+        Wrap::Mirror => match index.rem_euclid(2 * count) {
+            there if there < count => there,
+            back => 2 * count - 1 - back,
+        },
+    }
+}
+
 /// The sRGB value of a linear value.
 fn encoded(linear: f64) -> f64 {
     if linear <= 0.0031308 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The colour of a texture at `uv` (v from the top), without its levels of detail. Columns always wrap; rows
-/// wrap, or are clamped to the edge.
+/// The colour of a texture at `uv` (v from the top), without its levels of detail. Where `wraps`, columns and
+/// rows continue as the texture says; otherwise columns repeat, and rows are clamped to the edge.
 fn lookup(texture: &Texture, uv: DVec2, wraps: bool) -> DVec3 {
     let (width, height) = (i64::from(texture.width), i64::from(texture.height));
+    let [along_u, along_v] = if wraps { texture.wrap } else { [Wrap::Repeat, Wrap::Clamp] };
     let texel = |column: i64, row: i64| {
-        let row = if wraps { row.rem_euclid(height) } else { row.clamp(0, height - 1) };
-        DVec3::from_array(texture.texels.linear((row * width + column.rem_euclid(width)) as usize))
+        let (column, row) = (continued(column, width, along_u), continued(row, height, along_v));
+        DVec3::from_array(texture.texels.linear((row * width + column) as usize))
     };
-    let u = fraction(uv.x);
-    let v = if wraps { fraction(uv.y) } else { uv.y.clamp(0.0, 1.0) };
-    let (x, y) = (u * width as f64, v * height as f64);
+    let whole = |x: f64, wrap: Wrap| if wrap == Wrap::Repeat { fraction(x) } else { x };
+    let (x, y) = (whole(uv.x, along_u) * width as f64, whole(uv.y, along_v) * height as f64);
     match texture.filter {
-        Filter::Nearest => texel((x as i64).min(width - 1), (y as i64).min(height - 1)),
+        Filter::Nearest => texel(x.floor() as i64, y.floor() as i64),
         Filter::Bilinear | Filter::Trilinear => {
             let (x, y) = (x - 0.5, y - 0.5);
             let (column, row) = (x.floor() as i64, y.floor() as i64);

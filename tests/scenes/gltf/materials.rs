@@ -2,7 +2,7 @@
 
 use super::{Loaded, floats, material, model, pictured, push, put_colours, read_with, square};
 use glam::{DVec3, Vec2, Vec3, vec2, vec3};
-use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, convert_model};
+use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, Wrap, convert_model};
 use serde_json::{Value, json};
 
 #[test]
@@ -250,9 +250,7 @@ fn what_of_textures_is_left_out_is_said_with_its_place() {
             .any(|warning| warning.contains(&format!("m.glb: {place}: ")) && warning.contains(what));
         assert!(found, "{place}, {what}: {warnings:#?}");
     };
-    for side in ["wrapS", "wrapT"] {
-        warned(&|json| json["samplers"][0][side] = json!(33071), "samplers[0]", "textures repeat here");
-    }
+    warned(&|json| json["samplers"][0]["wrapT"] = json!(5), "samplers[0]", "there is no wrap 5");
     let unmapped = |json: &mut Value| {
         json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0");
     };
@@ -261,4 +259,28 @@ fn what_of_textures_is_left_out_is_said_with_its_place() {
     let (json, binary) = pictured(|json| json["materials"][0]["emissiveTexture"] = json!({ "index": 0 }));
     let scene = read_with(&json, &binary).unwrap().scene;
     assert!(scene.textures.is_empty() && scene.materials[0].emission_map.is_none(), "its factor is 0");
+}
+
+#[test]
+fn samplers_clamp_and_mirror_and_webp_images_come_first() {
+    let webp = |json: &mut Value| {
+        json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 1 } });
+        json["samplers"][0]["wrapS"] = json!(33071);
+        json["samplers"][0]["wrapT"] = json!(33648);
+        json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+        json["images"].as_array_mut().unwrap().insert(0, json!({ "uri": "gone.png" }));
+        json["textures"][1] =
+            json!({ "source": 0, "sampler": 0, "extensions": { "EXT_texture_webp": { "source": 1 } } });
+    };
+    let (json, binary) = pictured(webp);
+    let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert_eq!(scene.textures[0].wrap, [Wrap::Clamp, Wrap::Mirror]);
+    assert_eq!(scene.textures[0].texels.len(), 2);
+    let converted = convert_model(&path, &folder.path("s.json")).unwrap();
+    for (name, bytes) in converted.pictures {
+        folder.write(name.to_str().unwrap(), bytes);
+    }
+    let again = folder.load("s.json", converted.text).unwrap();
+    assert_eq!((again.textures[0].wrap, again.uvs), (scene.textures[0].wrap, scene.uvs));
 }

@@ -5,7 +5,8 @@ use super::super::notes::Notes;
 use serde_json::Value;
 
 /// Extensions that are read.
-pub const READ: [&str; 7] = [
+pub const READ: [&str; 8] = [
+    "EXT_texture_webp",
     "KHR_materials_ior",
     "KHR_materials_emissive_strength",
     "KHR_materials_transmission",

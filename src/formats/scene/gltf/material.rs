@@ -113,7 +113,7 @@ impl<'a> Materials<'a> {
         }
         let mut ranges = |info: &Option<TextureInfo>| {
             let texture = info.as_ref()?.index.0;
-            let image = self.document.root.textures.get(texture).and_then(|file| Some(file.source?.0));
+            let image = self.document.root.textures.get(texture).and_then(|file| file.image());
             let read = || texture::ranges(self.document, texture, place, builder);
             *self.ranges.entry(image).or_insert_with(read)
         };

@@ -88,7 +88,9 @@ optional! {
     }
     Camera { perspective: Option<Perspective> }
     Image { uri: Option<String>, buffer_view: Option<Whole> }
-    Texture { source: Option<Whole>, sampler: Option<Whole> }
+    Texture { source: Option<Whole>, sampler: Option<Whole>, extensions: ImageExtensions }
+    ImageExtensions { #[serde(rename = "EXT_texture_webp")] webp: OtherImage }
+    OtherImage { source: Option<Whole> }
     Sampler { mag_filter: Option<Whole>, wrap_s: Option<Whole>, wrap_t: Option<Whole> }
     Material {
         name: Lenient<String>, alpha_mode: Option<String>,
@@ -150,5 +152,12 @@ objects! {
     TextureInfo {
         index: Whole, #[serde(default)] tex_coord: Whole, scale: Option<f64>,
         #[serde(default)] extensions: TextureExtensions,
+    }
+}
+
+impl Texture {
+    /// Returns the index of its image: the WebP one, or else the one for readers without WebP.
+    pub fn image(&self) -> Option<usize> {
+        self.extensions.webp.source.or(self.source).map(|index| index.0)
     }
 }

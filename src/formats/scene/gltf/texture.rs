@@ -4,11 +4,13 @@ use super::super::builder::SceneBuilder;
 use super::super::files::Files;
 use super::super::json::JsonPath;
 use super::super::notes::Notes;
+use super::super::relief;
+use super::super::texture::Lookup;
 use super::bytes::{self, Document};
 use super::schema::{Image, Texture, TextureInfo, TextureTransform, Whole};
-use glam::{DVec3, Vec2};
+use glam::Vec2;
 use octray_engine::math::portable;
-use octray_engine::scene::{Filter, TexelKind, Texels};
+use octray_engine::scene::{Filter, TexelKind, Wrap};
 
 impl TextureTransform {
     /// Scales, rotates and offsets glTF's texture coordinates, with v downwards. Returns a scene's, with v
@@ -70,31 +72,31 @@ pub fn load(
         return None;
     };
     let root = document.source.root();
-    let image = file.source.and_then(|index| Some((index.0, document.root.images.get(index.0)?)));
+    let image = file.image().and_then(|index| Some((index, document.root.images.get(index)?)));
     let Some((index, image)) = image else {
-        let what = "a texture without a PNG or JPEG image is left out";
+        let what = "a texture without a PNG, JPEG or WebP image is left out";
         builder.notes.add(&root.key("textures").item(texture), what);
         return None;
     };
-    let filter = filter(document, file, &mut builder.notes);
+    let lookup = lookup(document, file, kind, &mut builder.notes);
     let model = document.source.file;
     let textures = &mut builder.textures;
     let known = textures.left_out.len();
     let files = textures.files.clone();
     let loaded = match &image.uri {
         Some(uri) if slopes.is_none() && bytes::data(uri).is_none() => {
-            textures.find(&bytes::decoded(uri), [model; 2], filter, kind)
+            textures.find(&bytes::decoded(uri), [model; 2], lookup)
         }
         _ => {
             let name = model.file_name().unwrap_or_default().to_string_lossy();
             let scaled = slopes.map_or(String::new(), |scale| format!(", slopes times {scale}"));
             let name = format!("{name} image {index}{scaled}");
             let change = |texels| match slopes {
-                Some(scale) => scale_slopes(&texels, scale),
+                Some(scale) => relief::scale_slopes(&texels, scale.into()),
                 None => texels,
             };
             let path = model.with_file_name(name);
-            textures.load_from(|| content(document, image, &files), change, &path, filter, kind)
+            textures.load_from(|| content(document, image, &files), change, &path, lookup)
         }
     };
     // The standard demands that colour profiles, and the alpha of opaque materials, are ignored.
@@ -105,20 +107,28 @@ pub fn load(
     loaded.ok()
 }
 
-/// Returns the filter of a texture's sampler, and notes the parts of the sampler that are left out.
-fn filter(document: &Document, texture: &Texture, notes: &mut Notes) -> Filter {
-    const REPEAT: usize = 10497;
+/// Returns the lookup of a texture's sampler, and notes a wrap that there is not.
+fn lookup(document: &Document, texture: &Texture, kind: TexelKind, notes: &mut Notes) -> Lookup {
     const NEAREST: usize = 9728;
     let sampler = texture.sampler.and_then(|index| Some((index.0, document.root.samplers.get(index.0)?)));
-    let Some((index, sampler)) = sampler else { return Filter::Bilinear };
-    if [sampler.wrap_s, sampler.wrap_t].into_iter().flatten().any(|Whole(wrap)| wrap != REPEAT) {
-        let what = "textures repeat here: clamping and mirroring are not read";
-        notes.add(&document.source.root().key("samplers").item(index), what);
-    }
-    match sampler.mag_filter {
+    let Some((index, sampler)) = sampler else {
+        return Lookup::repeating(Filter::Bilinear, kind);
+    };
+    let wrap = [sampler.wrap_s, sampler.wrap_t].map(|wrap| match wrap.map_or(10497, |Whole(code)| code) {
+        10497 => Wrap::Repeat,
+        33071 => Wrap::Clamp,
+        33648 => Wrap::Mirror,
+        code => {
+            let what = format!("there is no wrap {code}: textures repeat");
+            notes.add(&document.source.root().key("samplers").item(index), what);
+            Wrap::Repeat
+        }
+    });
+    let filter = match sampler.mag_filter {
         Some(Whole(NEAREST)) => Filter::Nearest,
         _ => Filter::Bilinear,
-    }
+    };
+    Lookup { filter, wrap, kind }
 }
 
 fn content(document: &Document, image: &Image, files: &Files) -> Result<Vec<u8>, String> {
@@ -127,16 +137,4 @@ fn content(document: &Document, image: &Image, files: &Files) -> Result<Vec<u8>,
         (None, Some(view)) => document.view(view.0).map(|(_, bytes)| bytes.to_vec()),
         (None, None) => Err("it has no data".to_string()),
     }
-}
-
-/// Multiplies the slopes of a normal map.
-fn scale_slopes(texels: &Texels, scale: f32) -> Texels {
-    let scaled = (0..texels.len()).map(|index| {
-        let [x, y, z] = texels.linear(index).map(|channel| 2.0 * channel - 1.0);
-        let scale = f64::from(scale);
-        let normal = DVec3::new(x * scale, y * scale, z).try_normalize().unwrap_or(DVec3::Z);
-        let [x, y, z] = normal.to_array().map(|c| (0.5 * c + 0.5) as f32);
-        [x, y, z, 0.0]
-    });
-    Texels::Float32(scaled.collect())
 }

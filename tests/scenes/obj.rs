@@ -200,9 +200,9 @@ fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
         ("illum 10\n", ":2: `illum 10` is not read."),
         ("map_Kd\n", ":2: `map_Kd` is left out: there is no file name."),
         ("newmtl a\n", ":2: a second material of one name replaces the first."),
-        ("map_Kd -o 0.5 -s 1 1 1 p.png\n", ":2: the option `-o` of `map_Kd` is not read."),
+        ("map_Kd -t 0.5 -s 1 1 1 p.png\n", ":2: the option `-t` of `map_Kd` is not read."),
         ("map_Kd gone.png\n", ": no such file"),
-        ("map_Bump b.png\nPm 1\nmap_Bump c.png\n", ":2: `map_Bump` is not read (1 more like it)."),
+        ("disp b.png\nPm 1\ndisp c.png\n", ":2: `disp` is not read (1 more like it)."),
     ] {
         let (kind, _, warnings) = with_material(statements);
         assert!(warnings[0].contains(warning), "{statements}: {warnings:?}");

@@ -24,6 +24,7 @@ mod material;
 mod mesh;
 mod model;
 mod mtl;
+mod mtl_map;
 mod native;
 mod notes;
 mod obj;

@@ -3,12 +3,13 @@
 //! `scenes/README.md` has the table of statements and materials. Statements that are not read or cannot be
 //! read give one warning for each kind and library, at the first line.
 
-use super::builder::SceneBuilder;
+use super::builder::{SceneBuilder, UvTransform};
 use super::error::SceneError;
+use super::mtl_map::{Map, is_bump};
 use super::notes::Notes;
 use super::statements::{Statement, statements, without_comment};
-use glam::{DVec3, Vec3};
-use octray_engine::scene::{MIN_LENGTH, Material, MaterialKind, TexelKind};
+use glam::DVec3;
+use octray_engine::scene::{MIN_LENGTH, Material, MaterialKind};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -73,10 +74,13 @@ enum Reads {
 const STATEMENTS: [(Reads, &[&str]); 5] = [
     (Reads::Color, &["Kd", "Ks", "Ke", "Tf"]),
     (Reads::Number, &["illum", "d", "Tr", "Ni", "Ns", "Pm", "Pr"]),
-    (Reads::Map, &["map_Kd", "map_Pr", "norm", "map_Kn", "map_Ka"]),
+    (Reads::Map, &["map_Kd", "map_Ke", "map_Pr", "map_Pm", "norm", "map_Kn", BUMP, "map_Ka"]),
     (Reads::Layer, &["Pc", "Pcr", "Ps", "aniso", "anisor"]),
     (Reads::Nothing, &["Ka"]),
 ];
+
+/// The keyword that stands for all those of maps of heights.
+const BUMP: &str = "map_Bump";
 
 /// Default index of refraction: window glass.
 const IOR: f64 = 1.5;
@@ -90,7 +94,7 @@ struct Entry {
     line: usize,
     colors: HashMap<&'static str, (DVec3, usize)>,
     numbers: HashMap<&'static str, (f64, usize)>,
-    maps: HashMap<&'static str, (String, usize)>,
+    maps: HashMap<&'static str, Map>,
 }
 
 fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Vec<Entry> {
@@ -106,7 +110,8 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Vec<Entry> {
             continue;
         };
         let known = STATEMENTS.iter().find_map(|(reads, keywords)| {
-            Some((*keywords.iter().find(|known| known.as_bytes() == keyword)?, reads))
+            let is_known = |known: &&&str| known.as_bytes() == keyword || **known == BUMP && is_bump(keyword);
+            Some((*keywords.iter().find(is_known)?, reads))
         });
         let result = match known {
             Some((keyword, Reads::Color)) => {
@@ -116,7 +121,7 @@ fn parse(text: &[u8], path: &Path, notes: &mut Notes) -> Vec<Entry> {
                 number(&statement, notes).map(|x| entry.numbers.extend([(keyword, (x, line))]))
             }
             Some((keyword, Reads::Map)) => {
-                image_file(&statement, notes).map(|file| entry.maps.extend([(keyword, (file, line))]))
+                Map::read(&statement, notes).map(|map| entry.maps.extend([(keyword, map)]))
             }
             Some((_, Reads::Layer)) if number(&statement, notes).is_ok_and(|x| x == 0.0) => Ok(()),
             Some((_, Reads::Nothing)) => Ok(()),
@@ -152,43 +157,6 @@ fn color(statement: &Statement) -> Result<DVec3, SceneError> {
     Ok(color)
 }
 
-/// The options of `map_` statements, each followed by the values that have no effect.
-const MAP_OPTIONS: &str = "-blendu on -blendv on -bm 1 -boost 0 -cc off -clamp off -imfchan rgb -mm 0 1 -o 0 0 0 \
-                           -s 1 1 1 -t 0 0 0 -texres _ -type _ -colorspace _";
-
-/// Returns the file name of a `map_` statement, which may hold spaces. Options such as `-s 2 2 1` and `-clamp
-/// on` come before it, and are noted unless they have no effect.
-fn image_file(statement: &Statement, notes: &mut Notes) -> Result<String, SceneError> {
-    let nothing = || statement.fault("there is no file name", "write the path of an image");
-    let rest = statement.name();
-    let mut rest = rest.as_str();
-    while rest.starts_with('-') {
-        let (option, after) = rest.split_once(char::is_whitespace).ok_or_else(nothing)?;
-        let after_option = MAP_OPTIONS.split(' ').skip_while(|word| *word != option).skip(1);
-        let idle: Vec<&str> = after_option.take_while(|word| !word.starts_with('-')).collect();
-        if idle.is_empty() {
-            break;
-        }
-        rest = after.trim_start();
-        let mut asks = false;
-        for (value, idle) in idle.into_iter().enumerate() {
-            let (word, after) = rest.split_once(char::is_whitespace).ok_or_else(nothing)?;
-            // Only the first value is required. Further ones are numbers.
-            let number = word.parse::<f64>();
-            if value > 0 && number.is_err() {
-                break;
-            }
-            asks |= word != idle && !idle.parse().is_ok_and(|idle: f64| number == Ok(idle));
-            rest = after.trim_start();
-        }
-        if asks {
-            let keyword = statement.shown();
-            notes.add(&statement.line, format!("the option `{option}` of {keyword} is not read"));
-        }
-    }
-    if rest.is_empty() { Err(nothing()) } else { Ok(rest.to_string()) }
-}
-
 impl Entry {
     fn number(&self, keyword: &str) -> Option<f64> {
         self.numbers.get(keyword).map(|&(number, _)| number)
@@ -218,7 +186,16 @@ impl Entry {
         let is_shiny = self.color("Ks").is_some_and(|color| color != DVec3::ZERO) && exponent >= 1.0;
         let roughness = self.number("Pr").map(|x| x.clamp(0.0, 1.0));
         let roughness = roughness.or(self.maps.get("map_Pr").map(|_| 1.0));
-        let metal = |unstated| MaterialKind::Metal { roughness: roughness.unwrap_or(unstated) as f32 };
+        let ior_of_coat = || ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR) as f32;
+        let metal = |unstated: f64| match self.maps.contains_key("map_Pm") {
+            // A share of 0 would make the map useless.
+            true => MaterialKind::MetalRough {
+                roughness: roughness.unwrap_or(0.5) as f32,
+                metallic: self.number("Pm").filter(|&x| x > 0.0).unwrap_or(1.0).min(1.0) as f32,
+                ior: ior_of_coat(),
+            },
+            false => MaterialKind::Metal { roughness: roughness.unwrap_or(unstated) as f32 },
+        };
         let glass = || {
             let ior = ior.filter(|&ior| ior >= MIN_LENGTH).unwrap_or(IOR);
             MaterialKind::Glass { ior: ior as f32 }
@@ -227,14 +204,14 @@ impl Entry {
             // Alpha is roughness squared. For a highlight with an exponent it is √(2 / (exponent + 2)):
             // Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007, §5.
             let roughness = roughness.unwrap_or((2.0 / (exponent + 2.0)).sqrt().sqrt());
-            let ior = ior.filter(|&ior| ior > 1.0 && ior <= 3.0).unwrap_or(IOR);
-            MaterialKind::Plastic { roughness: roughness as f32, ior: ior as f32 }
+            MaterialKind::Plastic { roughness: roughness as f32, ior: ior_of_coat() }
         };
         match self.number("illum").map(|model| model as u32) {
             Some(3) => metal(0.0),
             Some(6 | 7) => glass(),
             Some(4 | 9) if self.is_clear() => glass(),
             _ if refracts && opacity.is_some_and(|opacity| opacity < CLEAR) => glass(),
+            _ if self.maps.contains_key("map_Pm") => metal(0.5),
             _ if self.number("Pm").is_some_and(|metallic| metallic >= 0.5) => metal(0.5),
             _ if roughness.is_some() => plastic(),
             Some(2 | 4 | 9) | None if is_shiny => plastic(),
@@ -246,17 +223,21 @@ impl Entry {
     fn note_ignored(&self, notes: &mut Notes) {
         let (illumination, opacity) = (self.numbers.get("illum").copied(), self.opacity());
         let mut note = |line: usize, what: &str| notes.add(&line, what.to_string());
-        if let Some((file, line)) = self.maps.get("map_Ka")
-            && self.maps.get("map_Kd").is_none_or(|(other, _)| other != file)
+        if let Some(map) = self.maps.get("map_Ka")
+            && self.maps.get("map_Kd").is_none_or(|other| other.file != map.file)
         {
-            note(*line, "`map_Ka` is not read");
+            note(map.line, "`map_Ka` is not read");
+        }
+        let normals = ["norm", "map_Kn"].map(|key| self.maps.contains_key(key));
+        if let Some(map) = self.maps.get(BUMP).filter(|_| normals.contains(&true)) {
+            note(map.line, "`map_Bump` is left out beside a normal map");
         }
         if let MaterialKind::Glass { .. } = self.kind() {
             if let Some(&(_, line)) = self.numbers.get("Ni").filter(|&&(ior, _)| ior == 1.0) {
                 note(line, "glass with `Ni 1` does not refract and is invisible");
             }
             let roughness = self.numbers.get("Pr").filter(|&&(roughness, _)| roughness > 0.0);
-            let maps = ["map_Kd", "map_Pr"].map(|key| Some((key, self.maps.get(key)?.1)));
+            let maps = ["map_Kd", "map_Pr", "map_Pm"].map(|key| Some((key, self.maps.get(key)?.line)));
             for (key, line) in maps.into_iter().chain([roughness.map(|&(_, line)| ("Pr", line))]).flatten() {
                 note(line, &format!("glass is shown without its `{key}`"));
             }
@@ -288,8 +269,7 @@ impl Entry {
     /// Adds the material to the builder. `obj` is the model that names the library at `path`.
     fn add(&self, obj: &Path, path: &Path, builder: &mut SceneBuilder) -> u32 {
         let [diffuse, specular, filter] = ["Kd", "Ks", "Tf"].map(|keyword| self.color(keyword));
-        let [color_map, roughness_map, norm, map_kn] =
-            ["map_Kd", "map_Pr", "norm", "map_Kn"].map(|keyword| self.maps.get(keyword));
+        let color_map = self.maps.get("map_Kd");
         let diffuse = diffuse.filter(|&color| color_map.is_none() || color != DVec3::ZERO);
         let kind = self.kind();
         let color = match kind {
@@ -307,17 +287,55 @@ impl Entry {
             let what = format!("the colour of `{}` is above 1 and was clamped to 1", self.name);
             builder.notes.add(&self.line, what);
         }
-        let mut load = |image: Option<&_>, texel_kind| {
-            image.and_then(|image| builder.find_texture(image, path, obj, texel_kind))
-        };
+        let material = Material::new(&self.name, kind, color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3());
+        let (material, uvs) = self.with_maps(material, [path, obj], builder);
+        let number = builder.add_material(material, 1.0);
+        builder.transform_uvs(number, uvs);
+        number
+    }
+
+    /// Loads the maps that the material's kind has, and its emission. Returns the material, and the transform
+    /// of its texture coordinates: that of its first map.
+    fn with_maps(
+        &self,
+        material: Material,
+        beside: [&Path; 2],
+        builder: &mut SceneBuilder,
+    ) -> (Material, UvTransform) {
+        let kind = material.kind;
         let is_glass = matches!(kind, MaterialKind::Glass { .. });
-        let material = Material {
-            texture: load(color_map.filter(|_| !is_glass), TexelKind::Color),
-            roughness_map: load(roughness_map.filter(|_| kind.has_roughness()), TexelKind::Data),
-            normal_map: load(norm.or(map_kn), TexelKind::Data),
-            emission: self.color("Ke").map_or(Vec3::ZERO, |emission| emission.as_vec3()),
-            ..Material::new(&self.name, kind, color.clamp(DVec3::ZERO, DVec3::ONE).as_vec3())
+        let is_packed = matches!(kind, MaterialKind::MetalRough { .. });
+        let mut uvs = None;
+        let mut map = |keyword, is_used| {
+            let map = self.maps.get(keyword).filter(|_| is_used)?;
+            if *uvs.get_or_insert(map.uvs) != map.uvs {
+                let what =
+                    "a texture is left out: its `-s` and `-o` are not those of the material's first one";
+                builder.notes.add(&map.line, what);
+                return None;
+            }
+            Some(map)
         };
-        builder.add_material(material, 1.0)
+        let texture = map("map_Kd", !is_glass);
+        let (metallic, rough) = (map("map_Pm", is_packed), map("map_Pr", kind.has_roughness()));
+        let normals = map("norm", true).or_else(|| map("map_Kn", true)).or_else(|| map(BUMP, true));
+        let glow = map("map_Ke", true);
+        // A map of emission without a colour, or with a black one beside it, shows its own colours.
+        let emission = self.color("Ke").filter(|&color| glow.is_none() || color != DVec3::ZERO);
+        let emission = emission.unwrap_or(if glow.is_some() { DVec3::ONE } else { DVec3::ZERO });
+        let material = Material {
+            texture: texture.and_then(|map| map.color(beside, builder)),
+            roughness_map: match metallic {
+                Some(metallic) => metallic.packed_with(rough, beside, builder),
+                None => rough.and_then(|map| map.numbers(beside, builder)),
+            },
+            normal_map: normals.and_then(|map| map.normals(beside, builder)),
+            emission_map: glow.and_then(|map| map.color(beside, builder)),
+            ..material
+        };
+        // A missing file emits nothing.
+        let is_dark = glow.is_some() && material.emission_map.is_none();
+        let emission = if is_dark { self.color("Ke").unwrap_or_default() } else { emission };
+        (Material { emission: emission.as_vec3(), ..material }, uvs.unwrap_or(UvTransform::IDENTITY))
     }
 }

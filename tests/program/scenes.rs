@@ -69,7 +69,8 @@ fn inspect_reports_textures_gradient_and_needs() {
     desk.write("gradient.json", GRADIENT);
     let report = desk.json("inspect gradient.json");
     let texture = json!({
-        "name": "models/paper.png", "width": 2, "height": 2, "filter": "nearest", "memory_bytes": 16
+        "name": "models/paper.png", "width": 2, "height": 2, "filter": "nearest",
+        "wrap": ["repeat", "repeat"], "memory_bytes": 16
     });
     let expected = json!({
         "sky": { "type": "gradient", "bottom": [0.25, 0.5, 1.0], "top": [1.0, 0.5, 0.25] },

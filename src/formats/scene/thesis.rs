@@ -17,6 +17,7 @@ use super::error::SceneError;
 use super::files::Files;
 use super::json::{JsonPath, Source, read};
 use super::notes::Notes;
+use super::texture::Lookup;
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::math::portable;
 use octray_engine::scene::{
@@ -242,11 +243,9 @@ impl Loader {
         let files = self.builder.files();
         let found = candidates(files, path).into_iter().find(|path| files.read(path).is_ok());
         let loaded = match found {
-            Some(found) => self.builder.textures.load(
-                &found,
-                path,
-                super::texture::Lookup::repeating(Filter::Nearest, TexelKind::Color),
-            ),
+            Some(found) => {
+                self.builder.textures.load(&found, path, Lookup::repeating(Filter::Nearest, TexelKind::Color))
+            }
             None => {
                 let reason =
                     "no such file beside the scene, in the folders above it or in the working folder";

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use octray::checkpoint::Fingerprint;
-use octray::scene::{Filter, Scene, Side, Sky, Texels, Texture, Triangle, Wrap, load};
+use octray::scene::{Filter, Portal, Scene, Side, Sky, Texels, Texture, Triangle, Wrap, load};
 
 #[test]
 fn each_change_of_a_scene_changes_one_checksum() {
@@ -24,11 +24,12 @@ fn each_change_of_a_scene_changes_one_checksum() {
     let sums = |scene: &Scene| serde_json::to_value(Fingerprint::from_scene(scene)).unwrap();
     let own = sums(&scene);
     type Change = fn(&mut Scene);
-    let changes: [(Change, &str); 17] = [
+    let changes: [(Change, &str); 18] = [
         (|scene| scene.name.push('x'), ""),
         (|scene| scene.resolution[0] += 1, ""),
         (|scene| scene.camera.position.x += 1e-3, "camera"),
         (|scene| scene.sky = Sky::Color(Vec3::splat(0.123)), "sky"),
+        (|scene| scene.portals.push(Portal { vertices: [Vec3::ZERO; 4] }), "sky"),
         (|scene| scene.materials[0].color.y *= 0.5, "materials"),
         (|scene| scene.textures[0].width += 1, "textures"),
         (|scene| scene.textures[1].texels = Texels::Srgb8(vec![[5, 4, 5, 5]]), "textures"),

@@ -63,6 +63,8 @@ features! {
     LEVELS_OF_DETAIL = 24, "levels-of-detail";
     /// Some texture of a surface is clamped or mirrored beyond its edges.
     WRAPS = 32, "wraps";
+    /// The sky is sampled through quads.
+    PORTALS = 25, "portals";
 }
 
 impl Features {
@@ -140,6 +142,7 @@ impl Features {
         need(2 * scene.triangles.len() > Rows::FEW, Self::MANY_TRIANGLES);
         need(scene.materials.len() > Rows::FEW, Self::MANY_MATERIALS);
         need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);
+        need(!scene.portals.is_empty(), Self::PORTALS);
         need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);
         let mut texture = |texture: u32| {
             let texture = &scene.textures[texture as usize];

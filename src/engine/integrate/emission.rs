@@ -56,10 +56,8 @@ pub fn missed_radiance<L: Lane, const N: u64, const FIRST: bool>(
         environment_radiance::<L, N>(context, path.ray.direction, path.cone.angle, missed) * path.throughput;
     if !FIRST
         && has(N, Features::LIGHTS)
-        && has(N, Features::SKY_TEXTURE)
-        && let Some((sky, probability)) = &context.lights.sky
+        && let Some(pdf) = context.lights.sky_pdf::<L, N>(path.ray.origin, path.ray.direction)
     {
-        let pdf = sky.pdf(latitude_longitude(path.ray.direction)) * L::splat(*probability);
         radiance = radiance * mis_weight(path.inv_pdf, pdf);
     }
     Vec3::select(missed, radiance, Vec3::zero())

@@ -64,8 +64,14 @@ pub fn sample_direct_light<L: Lane, const N: u64>(
 
     let lobes = (material, &scattered.plastic);
     let bsdf = evaluate::<L, N>(path.ray.direction, surface, lobes, sample.wi, mask);
-    let pdf = light.probability * sample.pdf;
-    let possible = mask & L::zero().lt(pdf);
+    let mut pdf = light.probability * sample.pdf;
+    let mut possible = mask & L::zero().lt(pdf);
+    if has(N, Features::PORTALS) && lights.mixes_sky() {
+        // Other portals, or the whole sky, may sample the same direction: the pdf is that of their mixture.
+        let of_sky = lights.sky_pdf::<L, N>(origin, sample.wi).unwrap_or(L::zero());
+        pdf = L::select(light.kinds.are_sky::<N>(), of_sky, pdf);
+        possible = possible & L::zero().lt(pdf);
+    }
     let inv_pdf = L::one() / L::select(possible, pdf, L::one());
     // The probability is that by power, as in BSDF sampling: the weights of a direction sum to 1 with any
     // pdf. 1 − the weight of BSDF sampling would cancel; this is the same heuristic with the pdfs exchanged.
@@ -85,8 +91,8 @@ pub fn sample_direct_light<L: Lane, const N: u64>(
     count + carries.count()
 }
 
-/// Returns the light's radiance, or 1 if its hit decides: see [`ChosenLight::emission`]. The environment's
-/// radiance comes from its texture.
+/// Returns the light's radiance, or 1 if its hit decides: see [`ChosenLight::emission`]. The radiance of the
+/// environment, and through portals, is the sky's.
 #[inline(always)]
 fn emission<L: Lane, const N: u64>(
     context: &TraceContext,
@@ -94,8 +100,8 @@ fn emission<L: Lane, const N: u64>(
     light: &ChosenLight<L>,
     sample: &LightSample<L>,
 ) -> Vec3<L> {
-    let seen = at.found & light.kinds.environment;
-    if !has(N, Features::SKY_TEXTURE) || !seen.any() {
+    let seen = at.found & light.kinds.are_sky::<N>();
+    if !Features(N).meets(Features::SKY_TEXTURE.with(Features::PORTALS)) || !seen.any() {
         return light.emission;
     }
     // The angle that BSDF sampling uses in the same direction: both weights must be those of one sky.

@@ -28,7 +28,7 @@ impl Lights {
         let fits_registers = !has(N, Features::MANY_LIGHTS);
         let by_irradiance = self.are_chosen_by_irradiance();
         if by_irradiance && (fits_registers || self.len() <= Self::MAX_COMPARED) {
-            self.compare(place, u, fits_registers)
+            self.compare::<L, N>(place, u, fits_registers)
         } else if by_irradiance && has(N, Features::MANY_LIGHTS) {
             let numbers = [dimension::LIGHT, dimension::LIGHT_ALIAS, dimension::LIGHT_RESAMPLED]
                 .map(|dimension| numbers.get_1d(dimension));
@@ -65,7 +65,7 @@ impl Lights {
     ///
     /// Domain: there are importance rows, at most [`Lights::MAX_COMPARED`].
     #[inline(always)]
-    pub fn compare<L: Lane>(
+    pub fn compare<L: Lane, const N: u64>(
         &self,
         place: (Vec3<L>, Vec3<L>),
         u: L,
@@ -74,7 +74,13 @@ impl Lights {
         let mut ends = [L::zero(); Self::MAX_COMPARED];
         let mut sum = L::zero();
         for (light, end) in ends.iter_mut().enumerate().take(self.len()) {
-            sum = sum + irradiance(&self.importance_rows, L::Bits::splat(light as u32), place, true);
+            let mut own = irradiance(&self.importance_rows, L::Bits::splat(light as u32), place, true);
+            if has(N, Features::PORTALS)
+                && let Some(portal) = self.portals.of_light(light)
+            {
+                own = own.only(portal.is_lit_from(place.0));
+            }
+            sum = sum + own;
             *end = sum;
         }
         let at = u * sum;

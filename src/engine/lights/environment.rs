@@ -34,6 +34,10 @@ pub struct EnvironmentLight {
 /// The largest number of columns and rows: in finer textures a cell has the mean of its texels.
 const MAX_CELLS: [u32; 2] = [512, 256];
 
+/// The share of its irradiance by which the sky is weighed beside portals. Larger shares pay where the sun
+/// shines in, which portals find only by chance; smaller ones everywhere else in a room.
+const SHARE_BESIDE_PORTALS: f64 = 1.0 / 16.0;
+
 fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u32> {
     numbers.into_iter().map(|number| (number as f32).to_bits()).collect()
 }
@@ -118,10 +122,12 @@ impl EnvironmentLight {
         4.0 * f64::from(PI_F32) * f64::from(PI_F32) * radius * radius * self.mean
     }
 
-    /// Returns the rows of the light.
-    pub(super) fn light(&self) -> (LightRow, [f32; 8]) {
+    /// Returns the rows of the light, beside `portals` or without any. In rooms with portals, the sky as a
+    /// whole is mostly occluded; outside, no other light is the sky.
+    pub(super) fn light(&self, portals: bool) -> (LightRow, [f32; 8]) {
         let row = LightRow { kind: LightKind::Environment, ..LightRow::default() };
-        (row, importance_everywhere(f64::from(PI_F32) * self.mean))
+        let share = if portals { SHARE_BESIDE_PORTALS } else { 1.0 };
+        (row, importance_everywhere(share * f64::from(PI_F32) * self.mean))
     }
 
     /// Samples a direction. Its `t` is infinite.

@@ -1,6 +1,7 @@
 //! Next event estimation's lights: which emitters are lights, which light is chosen, and a point on it.
 //!
-//! The lights of primitives are files of [`crate::primitives`]; [`environment`] is the sky. Each has the
+//! The lights of primitives are files of [`crate::primitives`]; [`environment`] and [`portals`] are the sky,
+//! whole and through openings. Each has the
 //! power of its kind, its row of the table, *sample* and *pdf*. A new kind has a field of
 //! [`crate::primitives::LightKinds`]; the compiler then names every place that must know it.
 //!
@@ -14,15 +15,18 @@ pub mod environment;
 mod overlaps;
 mod parallelograms;
 mod pieces;
+pub mod portals;
 mod power;
 mod select;
 mod table;
 
 pub use environment::EnvironmentLight;
+pub use portals::Portals;
 pub use table::Lights;
 
 use crate::buffers::{Features, has};
 use crate::choice::choices;
+use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
 use crate::primitives::light::{ChosenLight, LightSample};
@@ -58,9 +62,37 @@ impl Lights {
         {
             sample = LightSample::select(environment, sky.sample(u, v), sample);
         }
+        if has(N, Features::PORTALS) && (mask & light.kinds.portal).any() {
+            let through = portals::through_portal(light, origin, &sample);
+            sample = LightSample::select(light.kinds.portal, through, sample);
+        }
         if self.needs_hits() {
             sample.t = L::splat(f32::INFINITY);
         }
         sample
+    }
+
+    /// Tests whether several lights with portals among them sample the same sky.
+    #[inline(always)]
+    pub fn mixes_sky(&self) -> bool {
+        !self.portals.is_empty() && self.portals.len() + usize::from(self.sky.is_some()) > 1
+    }
+
+    /// Returns the pdf, per solid angle, with which the sky's lights are sampled in a direction from
+    /// `origin`, each chosen by power: the sum over all of them, because a direction may pass several
+    /// portals. `None` if no light is the sky.
+    #[inline(always)]
+    pub fn sky_pdf<L: Lane, const N: u64>(&self, origin: Vec3<L>, direction: Vec3<L>) -> Option<L> {
+        let mut pdf = None;
+        if has(N, Features::SKY_TEXTURE)
+            && let Some((sky, probability)) = &self.sky
+        {
+            pdf = Some(sky.pdf(latitude_longitude(direction)) * L::splat(*probability));
+        }
+        if has(N, Features::PORTALS) && !self.portals.is_empty() {
+            let through = self.portals.pdf(&origin, &direction);
+            pdf = Some(pdf.map_or(through, |pdf| pdf + through));
+        }
+        pdf
     }
 }

@@ -2,6 +2,7 @@
 //! many.
 
 use super::parallelograms::{self, Half};
+use super::portals::PortalLight;
 use super::power::{Emitted, has_texture};
 use super::{EnvironmentLight, LightChoice, overlaps, pieces};
 use crate::math::MISS;
@@ -17,7 +18,7 @@ pub(super) struct Light {
     /// The row by which [`super::choose`] weighs the light.
     pub importance: [f32; 8],
     /// The two primitives of the light, or twice the one that it is or is a piece of; [`MISS`] for the
-    /// environment.
+    /// sky.
     pub primitives: [u32; 2],
     pub power: f64,
 }
@@ -25,7 +26,7 @@ pub(super) struct Light {
 /// The lights of a scene.
 #[derive(Default)]
 pub(super) struct Selection {
-    /// The lights in the order of their primitives; the environment is the last one.
+    /// The lights in the order of their primitives; then the portals, and the environment as the last one.
     pub lights: Vec<Light>,
     /// The power of all lights.
     pub total: f64,
@@ -39,12 +40,22 @@ pub(super) struct Selection {
 impl Selection {
     /// Selects the lights of a scene. Unless all are wanted, a sphere around the camera is excluded; unless
     /// lights are chosen only by power, triangles are merged into parallelograms and split into pieces.
-    pub fn new(scene: &Scene, sky: Option<&EnvironmentLight>, choice: LightChoice) -> Self {
+    pub fn new(
+        scene: &Scene,
+        sky: Option<&EnvironmentLight>,
+        portals: &[PortalLight],
+        choice: LightChoice,
+    ) -> Self {
         let emitted = Emitted::by(scene);
         let power = |number: usize| emitted.power(number, choice == LightChoice::On);
         let powers: Vec<f64> = (0..scene.primitives()).map(power).collect();
-        let sky_power = sky.map_or(0.0, |sky| sky.power(scene));
-        let mut found = Self { total: powers.iter().sum::<f64>() + sky_power, ..Self::default() };
+        let portal_power: f64 = portals.iter().map(|portal| portal.power).sum();
+        // Within rooms, nearly all light of the sky comes through their portals.
+        let whole_power =
+            |sky: &EnvironmentLight| if portals.is_empty() { sky.power(scene) } else { portal_power };
+        let sky_power = sky.map_or(0.0, whole_power);
+        let total = powers.iter().sum::<f64>() + portal_power + sky_power;
+        let mut found = Self { total, ..Self::default() };
         if found.total <= 0.0 || !found.total.is_finite() {
             return Self::default();
         }
@@ -73,8 +84,12 @@ impl Selection {
                 found.add(scene, [number; 2], powers[number], light);
             }
         }
+        for portal in portals {
+            let (row, importance) = portal.light();
+            found.lights.push(Light { row, importance, primitives: [MISS; 2], power: portal.power });
+        }
         if let Some(sky) = sky.filter(|_| sky_power > 0.0) {
-            let (row, importance) = sky.light();
+            let (row, importance) = sky.light(!portals.is_empty());
             found.lights.push(Light { row, importance, primitives: [MISS; 2], power: sky_power });
         }
         found

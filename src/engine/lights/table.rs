@@ -3,7 +3,7 @@
 use super::alias_table::AliasTable;
 use super::parallelograms::Half;
 use super::select::Selection;
-use super::{EnvironmentLight, LightChoice};
+use super::{EnvironmentLight, LightChoice, Portals, portals};
 use crate::buffers::Features;
 use crate::buffers::rows::Rows;
 use crate::lane::{Bits, Lane};
@@ -30,6 +30,8 @@ pub struct Lights {
     pub probabilities: Vec<f32>,
     /// The environment light, if it is one of the lights, and the probability of choosing it.
     pub sky: Option<(EnvironmentLight, f32)>,
+    /// The portals, which follow the lights of primitives.
+    pub portals: Portals,
     /// The triangles that are halves of parallelograms.
     halves: HashMap<usize, Half>,
     /// The light that is the first piece of each triangle sampled in pieces; the others follow.
@@ -61,8 +63,10 @@ impl Lights {
             return Self::default();
         }
         let pays = |sky: &EnvironmentLight| choice == LightChoice::On || sky.contrast >= MIN_CONTRAST;
-        let sky = EnvironmentLight::of(scene).filter(pays);
-        let selection = Selection::new(scene, sky.as_ref(), choice);
+        let sky = EnvironmentLight::of(scene);
+        let portals = portals::lights(scene, sky.as_ref());
+        let sky = sky.filter(pays);
+        let selection = Selection::new(scene, sky.as_ref(), &portals, choice);
         let Selection { lights, total, halves, first_pieces, pieces_side, needs_hits } = selection;
         if lights.is_empty() {
             return Self::default();
@@ -70,7 +74,11 @@ impl Lights {
         let shares = raised_shares(lights.iter().map(|light| light.power / total).collect());
         // The last one belongs to the environment.
         let mut probabilities = vec![0.0; scene.primitives() + 1];
-        for (light, &share) in lights.iter().zip(&shares) {
+        let portals = Portals::new(portals, &lights, &shares);
+        for (number, (light, &share)) in lights.iter().zip(&shares).enumerate() {
+            if portals.of_light(number).is_some() {
+                continue;
+            }
             let [first, second] = light.primitives.map(|number| scene.primitives().min(number as usize));
             probabilities[first] += share as f32;
             probabilities[second] = probabilities[first];
@@ -96,6 +104,7 @@ impl Lights {
             halves,
             first_pieces,
             sky: sky.map(|sky| (sky, sky_probability)),
+            portals,
         }
     }
     /// Returns how a primitive is sampled.
@@ -115,7 +124,7 @@ impl Lights {
         !self.primitives.is_empty()
     }
     /// Tests whether each primitive is one of its lane's light; [`crate::math::MISS`] represents the
-    /// environment. Domain: [`Lights::needs_hits`].
+    /// sky. Domain: [`Lights::needs_hits`].
     pub fn is_primitive_of_light<L: Lane>(&self, primitive: L::Bits, light: L::Bits) -> L::Mask {
         let first = light.shl(1);
         let [one, other] = [first, first | L::Bits::splat(1)].map(|at| L::gather_bits(&self.primitives, at));

@@ -88,17 +88,21 @@ pub(crate) enum LightKind {
     Sphere,
     Triangle,
     Parallelogram,
+    Portal,
     #[default]
     Environment,
 }
 
 impl LightKind {
-    const ALL: [Self; 4] = [Self::Sphere, Self::Triangle, Self::Parallelogram, Self::Environment];
+    const ALL: [Self; 5] =
+        [Self::Sphere, Self::Triangle, Self::Parallelogram, Self::Portal, Self::Environment];
 }
 
 // `ALL` has every kind, and the last one at its end.
 const _: () = match LightKind::ALL[LightKind::ALL.len() - 1] {
-    LightKind::Sphere | LightKind::Triangle | LightKind::Parallelogram => panic!("a kind is lacking"),
+    LightKind::Sphere | LightKind::Triangle | LightKind::Parallelogram | LightKind::Portal => {
+        panic!("a kind is lacking")
+    }
     LightKind::Environment => assert!(LightKind::Environment as usize + 1 == LightKind::ALL.len()),
 };
 
@@ -132,6 +136,8 @@ pub struct LightKinds<L: Lane> {
     pub sphere: L::Mask,
     /// The lanes with triangles, parallelograms and pieces.
     pub flat: L::Mask,
+    /// The lanes with portals.
+    pub portal: L::Mask,
     /// The lanes with the environment.
     pub environment: L::Mask,
 }
@@ -143,8 +149,14 @@ impl<L: Lane> LightKinds<L> {
         match kind {
             LightKind::Sphere => &mut self.sphere,
             LightKind::Triangle | LightKind::Parallelogram => &mut self.flat,
+            LightKind::Portal => &mut self.portal,
             LightKind::Environment => &mut self.environment,
         }
+    }
+    /// Returns the lanes whose light is the sky.
+    #[inline(always)]
+    pub fn are_sky<const N: u64>(&self) -> L::Mask {
+        if has(N, Features::PORTALS) { self.portal | self.environment } else { self.environment }
     }
 }
 
@@ -154,16 +166,16 @@ pub struct ChosenLight<L: Lane> {
     pub index: L::Bits,
     /// The kind of the light.
     pub kinds: LightKinds<L>,
-    /// The centre of a sphere, or the first vertex of a flat light.
+    /// The centre of a sphere, or the first vertex of a flat light or a portal.
     pub at: Vec3<L>,
     /// The radius of a sphere.
     pub radius: L,
-    /// The edges of a flat light to the second vertex and to the third.
+    /// The edges of a flat light to the second vertex and to the third, of a portal to the fourth.
     pub edges: [Vec3<L>; 2],
     /// The lanes of flat lights that are the parallelogram which continues the triangle.
     pub is_quad: L::Mask,
-    /// The radiance of the light; 1 if [`crate::lights::Lights::needs_hits`]; 0 for the environment, which
-    /// has its own.
+    /// The radiance of the light; 1 if [`crate::lights::Lights::needs_hits`]; 0 for the environment and
+    /// portals: the sky has its own.
     pub emission: Vec3<L>,
     /// The light's error bound: shadow rays end at this distance from its surface.
     pub offset: L,
@@ -179,9 +191,13 @@ impl<L: Lane> ChosenLight<L> {
     /// environment are unspecified.
     #[inline(always)]
     pub fn sample<const N: u64>(&self, origin: Vec3<L>, (u, v): (L, L), mask: L::Mask) -> LightSample<L> {
-        let LightKinds { sphere, flat, environment: _ } = self.kinds;
+        let LightKinds { sphere, mut flat, portal, environment: _ } = self.kinds;
         let center = self.at - origin;
-        let on_flat = self.flat(origin);
+        let mut on_flat = self.flat(origin);
+        if has(N, Features::PORTALS) {
+            flat = flat | portal;
+            on_flat.is_quad = on_flat.is_quad | portal;
+        }
         let spheres = has(N, Features::SPHERES) && (mask & sphere).any();
         match (spheres, has(N, Features::TRIANGLES) && (mask & flat).any()) {
             (true, false) => sphere::sample(center, self.radius, u, v),
@@ -221,7 +237,7 @@ impl LightTable {
             self.rows.fetch::<L>(first | L::Bits::splat(1), fits_registers);
         let is = |code: LightKind| kind.to_bits().equals(L::Bits::splat(code as u32));
         let none = L::Mask::splat(false);
-        let mut kinds = LightKinds { sphere: none, flat: none, environment: none };
+        let mut kinds = LightKinds { sphere: none, flat: none, portal: none, environment: none };
         for kind in LightKind::ALL {
             let lanes = kinds.lanes_of(kind);
             *lanes = *lanes | is(kind);
@@ -266,10 +282,10 @@ impl LightTable {
 pub struct LightSample<L: Lane> {
     /// The unit vector towards the point.
     pub wi: Vec3<L>,
-    /// The distance to the point, in scene units. It is infinite for the environment, and for all lights if
-    /// the hits of shadow rays decide: see [`crate::lights::Lights::needs_hits`].
+    /// The distance to the point, in scene units. It is infinite for the environment and portals, and for all
+    /// lights if the hits of shadow rays decide: see [`crate::lights::Lights::needs_hits`].
     pub t: L,
-    /// The light's unit normal there, on the lit side; zero for the environment.
+    /// The light's unit normal there, on the lit side; zero for the environment and portals.
     pub n: Vec3<L>,
     /// The pdf of `wi`.
     pub pdf: L,

@@ -144,7 +144,8 @@ impl Methods {
             (None, Some(tests)) => Structure::list_with(geometry, tests, lanes),
         };
         // The sky lies behind all walls; with vertex normals, rays start above the triangles.
-        let has_targets = !lights.is_empty() && lights.sky.is_none() && scene.normals.is_empty();
+        let is_sky_sampled = lights.sky.is_some() || !lights.portals.is_empty();
+        let has_targets = !lights.is_empty() && !is_sky_sampled && scene.normals.is_empty();
         match has_targets {
             true => structure.with_targets(geometry, |number| lights.probabilities[number] > 0.0),
             false => structure,

@@ -43,6 +43,8 @@ pub struct Scene {
     /// Texture coordinates of the triangles' vertices, v upwards: one entry per triangle; empty if no
     /// material has a texture.
     pub uvs: Vec<[Vec2; 3]>,
+    /// The quads through which the sky is sampled.
+    pub portals: Vec<Portal>,
     /// Unit vertex normals: one entry per triangle, zero vectors for a flat one; empty if all triangles are
     /// flat.
     pub normals: Vec<[Vec3; 3]>,
@@ -188,6 +190,17 @@ pub struct Triangle {
     /// The index of the material.
     pub material: u32,
 }
+
+/// A parallelogram, such as a window's opening, through which next event estimation samples the sky, for
+/// points on its lit side. It is no primitive: rays pass it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Portal {
+    /// The corners, anticlockwise as seen from the lit side: from inside the room.
+    pub vertices: [Vec3; 4],
+}
+
+/// The largest number of portals in a scene. Every ray that misses the scene is tested against all of them.
+pub const MAX_PORTALS: usize = 64;
 
 /// A primitive of a scene: see [`Scene::primitive`].
 #[derive(Clone, Copy, Debug, PartialEq)]

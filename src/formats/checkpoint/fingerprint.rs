@@ -12,7 +12,7 @@ use std::fmt::Debug;
 pub struct Fingerprint {
     /// Position, direction and angle of view.
     pub camera: String,
-    /// The sky without its texture.
+    /// The sky without its texture, and the portals to it.
     pub sky: String,
     /// All materials, in their order.
     pub materials: String,
@@ -43,6 +43,7 @@ impl Fingerprint {
             textures,
             spheres,
             triangles,
+            portals,
             uvs,
             normals,
             warnings: _,
@@ -52,7 +53,8 @@ impl Fingerprint {
         let normals = normals.iter().flatten().flat_map(|normal| normal.to_array()).map(f32::to_bits);
         Self {
             camera: hash_debug(camera),
-            sky: hash_debug(sky),
+            // A scene without portals keeps the checksum of its sky alone.
+            sky: if portals.is_empty() { hash_debug(sky) } else { hash_debug(&(sky, portals)) },
             materials: hash_debug(materials),
             textures: hash_textures(textures),
             spheres: hash_words(spheres.iter().flat_map(sphere_words)),

@@ -5,6 +5,7 @@ use super::error::SceneError;
 use super::files::Files;
 use super::notes::Notes;
 use super::placement::Placement;
+use super::portal;
 use super::smooth;
 use super::texture::{Lookup, Textures};
 use super::vertex_colors::VertexColors;
@@ -281,11 +282,15 @@ impl SceneBuilder {
         sky: Sky,
     ) -> Result<Scene, SceneError> {
         self.check_room(0)?;
+        if let Some((what, mend)) = portal::too_many(&self.scene) {
+            return Err(SceneError::new(what).mend(mend));
+        }
         self.colors.lay_out(&mut self.textures.list, &mut self.scene.uvs)?;
         std::mem::take(&mut self.textures.left_out).into_iter().for_each(|what| self.warn(what));
         if sky.is_black() && !self.scene.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }
+        portal::warning(&self.scene, &sky, camera.position).into_iter().for_each(|what| self.warn(what));
         warn_of_size(&self.scene, &[camera]).into_iter().for_each(|what| self.warn(what));
         if self.more_warnings > 0 {
             self.scene.warnings.push(format!("{} more warnings are left out.", self.more_warnings));

@@ -13,7 +13,7 @@ use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use octray_engine::film::Picture;
-use octray_engine::scene::{Filter, Material, MaterialKind, Scene, Sky, Texels, Texture, Wrap};
+use octray_engine::scene::{Filter, Material, MaterialKind, Portal, Scene, Sky, Texels, Texture, Wrap};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -103,6 +103,13 @@ fn text(scene: &Scene, paths: &[String]) -> String {
             format!("    {}: {}", json!(name), material_text(scene, material, paths))
         });
     entry("materials", format!("{{\n{}\n  }}", materials.collect::<Vec<_>>().join(",\n")));
+    if !scene.portals.is_empty() {
+        let points =
+            |portal: &Portal| portal.vertices.map(|vertex| placed(vertex, &scene.coordinates)).join(", ");
+        let portals =
+            scene.portals.iter().map(|portal| format!("    {{ \"vertices\": [{}] }}", points(portal)));
+        lines.push(format!("  \"portals\": [\n{}\n  ]", portals.collect::<Vec<_>>().join(",\n")));
+    }
     let mut text = format!("{{\n{},\n  \"triangles\": [", lines.join(",\n"));
     for number in 0..scene.triangles.len() {
         text += if number == 0 { "\n" } else { ",\n" };

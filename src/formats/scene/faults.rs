@@ -3,7 +3,7 @@
 use super::error::{MAX_FAULTS, SceneError};
 use super::json::{JsonPath, REMOVE_ONE, Source, data_fault, quoted, read};
 use super::material;
-use super::native::{MATERIAL, example};
+use super::native::{MATERIAL, PORTAL, example};
 use super::spelling::{advice, did_you_mean};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -153,6 +153,9 @@ fn is_in_material(steps: &[Step]) -> bool {
 fn example_of(steps: &[Step]) -> Option<&'static str> {
     match steps.last()? {
         Step::Key(_) if is_in_material(steps) && steps.len() == 2 => Some(MATERIAL),
+        Step::Key(key) if key == "vertices" && matches!(&steps[0], Step::Key(list) if list == "portals") => {
+            Some(PORTAL)
+        }
         Step::Key(key) => example(key),
         Step::Item(_) => None,
     }

@@ -30,6 +30,7 @@ mod notes;
 mod obj;
 mod placement;
 mod ply;
+mod portal;
 mod procedural;
 mod radiance;
 mod relief;

@@ -35,6 +35,7 @@ pub fn example(key: &str) -> Option<&'static str> {
         "vertical_fov" | "turn_degrees" => "40",
         "rotate_degrees" => "[0, 45, 0]",
         "triangles" => "[ { \"vertices\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], \"material\": \"red\" } ]",
+        "portals" => "[ { \"vertices\": [[0, 1, 0], [0, 1, -2], [0, 2, -2], [0, 2, 0]] } ]",
         "vertices" | "normals" | "colors" => "[[0, 0, 1], [1, 0, 1], [0, 1, 1]]",
         "uvs" => "[[0, 0], [1, 0], [0, 1]]",
         "meshes" => "[ { \"model\": \"bunny.obj\", \"scale\": 10 } ]",
@@ -50,6 +51,9 @@ pub fn example(key: &str) -> Option<&'static str> {
         _ => return None,
     })
 }
+
+/// An example of the `vertices` of a portal, for messages.
+pub const PORTAL: &str = "[[0, 1, 0], [0, 1, -2], [0, 2, -2], [0, 2, 0]]";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -72,6 +76,8 @@ pub struct SceneFile {
     pub triangles: Vec<TriangleFile>,
     #[serde(default)]
     pub meshes: Vec<MeshFile>,
+    #[serde(default)]
+    pub portals: Vec<PortalFile>,
 }
 
 #[derive(Deserialize, Default)]
@@ -205,6 +211,13 @@ pub struct MeshFile {
     /// Missing: the model's own normals.
     pub smooth: Option<f64>,
     pub scale: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PortalFile {
+    /// The corners of a parallelogram, anticlockwise as seen from the room.
+    pub vertices: [[f64; 3]; 4],
 }
 
 /// Materials and their names, in file order. A name that occurs twice is refused.

@@ -10,8 +10,11 @@ use super::json::{JsonPath, Source};
 use super::material;
 use super::mesh::Unusable;
 use super::model::{self, Model};
-use super::native::{FORMAT, MeshFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT};
+use super::native::{
+    FORMAT, MeshFile, PortalFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT,
+};
 use super::placement::Placement;
+use super::portal::portal;
 use super::spelling::nearest;
 use glam::{DVec3, Vec3};
 use octray_engine::scene::{Coordinates, MAX_COORDINATE, MaterialKind, Scene, Side, Sky, Sphere};
@@ -64,6 +67,9 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     }
     for (i, mesh) in file.meshes.iter().enumerate() {
         faults.record(loader.add_mesh(mesh, &root.key("meshes").item(i)))?;
+    }
+    for (i, portal) in file.portals.iter().enumerate() {
+        faults.record(loader.add_portal(portal, &root.key("portals").item(i)))?;
     }
     let mut builder = loader.builder;
     let sky = match &file.sky {
@@ -265,6 +271,14 @@ impl<'a> Loader<'a> {
         };
         let mend = "remove the triangle, or move its vertices apart so that they span an area";
         Err(at_vertices.error(format!("the triangle has zero area: {why}"), mend))
+    }
+
+    fn add_portal(&mut self, file: &PortalFile, place: &JsonPath) -> Result<(), SceneError> {
+        let (place, coordinates) = (place.key("vertices"), self.builder.scene.coordinates);
+        let points = place.each(file.vertices, |place, vertex| place.point(vertex, &coordinates))?;
+        let portal = portal(points, &coordinates).map_err(|(what, mend)| place.error(what, mend))?;
+        self.builder.scene.portals.push(portal);
+        Ok(())
     }
 
     fn add_mesh(&mut self, file: &'a MeshFile, place: &JsonPath) -> Result<(), SceneError> {

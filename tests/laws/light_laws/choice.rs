@@ -7,6 +7,8 @@ use octray::kernel::surface::{sphere_offset, triangle_offset};
 use octray::primitives::{LightTable, SampledAs};
 use std::collections::HashMap;
 
+const ALL: u64 = Features::ALL.0;
+
 #[test]
 fn a_rectangular_lamp_is_one_light() {
     let cornell = load("builtin:cornell").unwrap();
@@ -53,7 +55,7 @@ fn compared_lights_count_once_each_and_have_points_all_over_them() {
         for number in 0..NUMBERS {
             let u = number as f32 / NUMBERS as f32;
             let at = (math::Vec3::splat(point), math::Vec3::splat(n));
-            let (light, rest) = lights.compare::<f32>(at, u, count <= LightTable::FEW);
+            let (light, rest) = lights.compare::<f32, ALL>(at, u, count <= LightTable::FEW);
             assert!((0.0..1.0).contains(&rest) && light.weight >= 0.0, "{rest} {}", light.weight);
             let place = [light.at.x, light.at.y, light.at.z].map(f32::to_bits);
             let more = [1.0, f64::from(light.weight / light.probability), f64::from(rest)];
@@ -87,7 +89,7 @@ fn compared_lights_are_chosen_in_proportion_to_their_irradiance() {
     let mut drawn = [0.0; 4];
     for number in 0..10_000 {
         let above = (math::Vec3::splat(Vec3::ZERO), math::Vec3::splat(Vec3::Y));
-        let (light, _) = lights.compare::<f32>(above, number as f32 / 10_000.0, true);
+        let (light, _) = lights.compare::<f32, ALL>(above, number as f32 / 10_000.0, true);
         let center = vec3(light.at.x, light.at.y, light.at.z);
         drawn[at.iter().position(|&(other, _)| other == center).unwrap()] += 1e-4;
     }
@@ -97,7 +99,7 @@ fn compared_lights_are_chosen_in_proportion_to_their_irradiance() {
     }
     // From where every light is below the horizon, none counts.
     let below = (math::Vec3::splat(4.0 * Vec3::Y), math::Vec3::splat(Vec3::Y));
-    assert_eq!(lights.compare::<f32>(below, 0.3, true).0.weight, 0.0);
+    assert_eq!(lights.compare::<f32, ALL>(below, 0.3, true).0.weight, 0.0);
 }
 
 /// Shadow rays end that far before them.

@@ -72,6 +72,22 @@ impl Geometry {
             _ => self.corners().saturating_sub(2),
         }
     }
+    /// Returns the corners of a quad of two triangles, in their order around its front, after a transform;
+    /// `None` for other geometry.
+    pub fn quad(&self, transform: &DMat4) -> Option<[DVec3; 4]> {
+        if self.triangles() != 2 {
+            return None;
+        }
+        let point = |vertex| transform.transform_point3(DVec3::from_array(self.positions.element(vertex)));
+        let [first, second] = [0, 1].map(|number| self.triangle(number).map(point));
+        let is_shared = |point: &DVec3| second.contains(point);
+        let apex = (0..3).find(|&corner| !is_shared(&first[corner]))?;
+        let fourth = second.into_iter().find(|point| !first.contains(point))?;
+        let [a, b, c] = [0, 1, 2].map(|step| first[(apex + step) % 3]);
+        let is_mirrored = DMat3::from_mat4(*transform).determinant() < 0.0;
+        let quad = if is_mirrored { [a, c, fourth, b] } else { [a, b, fourth, c] };
+        (is_shared(&b) && is_shared(&c)).then_some(quad)
+    }
     /// Returns the vertices of a triangle, counter-clockwise as seen from its front.
     fn triangle(&self, number: usize) -> [usize; 3] {
         let corners = match self.mode {

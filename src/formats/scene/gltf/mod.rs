@@ -22,7 +22,9 @@ use super::error::SceneError;
 use super::files::Files;
 use super::json::Source;
 use super::mesh::{self, Unusable};
+use super::notes::Notes;
 use super::placement::Placement;
+use super::portal::portal;
 use accessor::Accessors;
 use bytes::Document;
 use geometry::{Geometry, Transform};
@@ -112,6 +114,7 @@ impl Gltf {
                 .map(|point| transform.transform_point3(point))
         });
         let placement = &builder.within_scene(placement, points);
+        self.add_portals(path, &mut accessors, placement, builder)?;
         let first = builder.scene.triangles.len();
         for (mesh, transform) in &self.nodes.meshes {
             let transform = Transform::new(transform, placement);
@@ -120,6 +123,35 @@ impl Gltf {
             }
         }
         mesh::finish(path, builder, first, triangles)
+    }
+
+    /// Adds the portals to the builder. Those of other shapes are left out with a warning.
+    fn add_portals(
+        &self,
+        path: &Path,
+        accessors: &mut Accessors,
+        placement: &Placement,
+        builder: &mut SceneBuilder,
+    ) -> Result<(), SceneError> {
+        let root = accessors.document.source.root();
+        for &(node, mesh, ref transform) in &self.nodes.portals {
+            let file = accessors.document.get(&self.root.meshes, "meshes", mesh, &root)?;
+            let quad = match &file.primitives[..] {
+                [only] => geometry::read(accessors, only, None, &root.key("meshes"), &mut Notes::default())?
+                    .and_then(|geometry| geometry.quad(transform)),
+                _ => None,
+            };
+            let placed = quad.map(|quad| quad.map(|point| placement.point(point)));
+            let near = placed.filter(|points| points.iter().all(|point| is_near(*point)));
+            match near.map(|points| portal(points, &builder.scene.coordinates)) {
+                Some(Ok(portal)) => builder.scene.portals.push(portal),
+                Some(Err(_)) | None => builder.warn(format!(
+                    "{}: nodes[{node}]: a portal is left out: its mesh must be a parallelogram of two triangles.",
+                    path.display()
+                )),
+            }
+        }
+        Ok(())
     }
 
     /// Reads the primitives of a mesh, each with `material` or else with its own one.

@@ -11,6 +11,8 @@ use glam::{DMat4, DQuat, DVec3};
 pub struct Placed {
     /// Index of each mesh, which exists, and its transform.
     pub meshes: Vec<(usize, DMat4)>,
+    /// Index of each node that is a portal, of its mesh, and its transform.
+    pub portals: Vec<(usize, usize, DMat4)>,
     /// Index of the first camera, and its transform.
     pub camera: Option<(usize, DMat4)>,
     /// Indices of the nodes with a skin.
@@ -53,8 +55,12 @@ pub fn place(document: &Document) -> Result<Placed, SceneError> {
         let transform = parent * local(node);
         if let Some(mesh) = node.mesh {
             document.get(&root.meshes, "meshes", mesh.0, &nodes.item(index).key("mesh"))?;
-            placed.meshes.push((mesh.0, transform));
-            placed.skinned.extend(node.skin.map(|_| index));
+            if node.extras.0.as_ref().is_some_and(|extras| extras.portal) {
+                placed.portals.push((index, mesh.0, transform));
+            } else {
+                placed.meshes.push((mesh.0, transform));
+                placed.skinned.extend(node.skin.map(|_| index));
+            }
         }
         if let Some(camera) = node.camera {
             placed.camera.get_or_insert((camera.0, transform));

@@ -85,7 +85,9 @@ optional! {
         children: Option<Vec<Whole>>, mesh: Option<Whole>, camera: Option<Whole>, skin: Option<IgnoredAny>,
         matrix: Option<[f64; 16]>,
         rotation: Option<[f64; 4]>, scale: Option<[f64; 3]>, translation: Option<[f64; 3]>,
+        extras: Lenient<Extras>,
     }
+    Extras { portal: bool }
     Camera { perspective: Option<Perspective> }
     Image { uri: Option<String>, buffer_view: Option<Whole> }
     Texture { source: Option<Whole>, sampler: Option<Whole>, extensions: ImageExtensions }

@@ -75,8 +75,8 @@
 
 pub use octray_display as display;
 pub use octray_engine::{
-    adaptive, buffers, camera, choice, diagnosis, film, integrate, kernel, lane, lights, math, path_vertex,
-    primitives, rays, render, sampling, threads, tone,
+    adaptive, buffers, camera, choice, diagnosis, film, integrate, kernel, lane, lights, math, openings,
+    path_vertex, primitives, rays, render, sampling, threads, tone,
 };
 pub use octray_formats::{checkpoint, output, scene, wording};
 pub use octray_laboratory::{measure, methods, reference};

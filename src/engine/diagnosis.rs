@@ -7,6 +7,7 @@
 
 use crate::camera::Tile;
 use crate::film::{Film, TileSums};
+use crate::openings;
 use crate::render::Renderer;
 use crate::scene::{MAX_BOUNCES, MaterialKind, Scene, Sphere};
 use crate::tone::{MAX_EXPOSURE, Tone};
@@ -44,7 +45,8 @@ pub fn warnings(renderer: &mut Renderer, scene: &Scene, film: &Film, tone: Optio
              the picture: try --bounces {more}"
         )
     });
-    loss.into_iter().chain(tone.and_then(|tone| brightness.wrong_exposure(tone))).collect()
+    let opening = openings::advice(scene, renderer.structure());
+    loss.into_iter().chain(tone.and_then(|tone| brightness.wrong_exposure(tone))).chain(opening).collect()
 }
 
 /// Returns the likeliest reason for a picture without any light. `more` bounces would bring some.

@@ -41,6 +41,7 @@
 //! | [`film`], [`adaptive`] | sums of samples; the criterion by which a block of pixels has enough of them |
 //! | [`render`] | the renderer: samples a scene into a film, by tiles and threads |
 //! | [`tone`] | tone mapping |
+//! | [`openings`] | openings of rooms, for portals |
 //! | [`diagnosis`] | reasons why a picture is black or lacks light |
 //!
 //! # Laws
@@ -68,6 +69,7 @@ pub mod film;
 pub mod integrate;
 pub mod kernel;
 pub mod lights;
+pub mod openings;
 pub mod path_vertex;
 pub mod primitives;
 pub mod render;

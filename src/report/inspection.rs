@@ -5,6 +5,8 @@ use super::settings::{as_options, json};
 use super::text::item;
 use crate::buffers::Features;
 use crate::lights::{EnvironmentLight, LightChoice, Lights};
+use crate::openings;
+use crate::rays::Structure;
 use crate::render::{TraversalChoice, features_of};
 use crate::scene::{
     Filter, Loaded, Material, MaterialKind, Primitive, Rendering, Scene, Sky, Texture, Wrap, point_in_file,
@@ -85,6 +87,8 @@ struct LightReport {
     sky: bool,
     /// The mean square of the environment map over the square of its mean, over all directions.
     sky_contrast: Option<f64>,
+    /// Portals through which the sky is sampled.
+    portals: usize,
 }
 
 /// The camera, its points in the coordinates of the file.
@@ -150,7 +154,7 @@ impl Inspection {
             hierarchy: has_hierarchy.then(|| HierarchyReport::of(scene)),
             traversal,
             defaults: DefaultReport::all(scene),
-            warnings: scene.warnings.clone(),
+            warnings: scene.warnings.iter().cloned().chain(opening(scene)).collect(),
         }
     }
 
@@ -206,6 +210,16 @@ impl Inspection {
         lines.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
         lines.into_iter().map(|(name, value)| item(name, 11, &value)).collect()
     }
+}
+
+/// The largest number of primitives of scenes whose openings are looked for: a structure is built for it.
+const MAX_SEARCHED: usize = 50_000;
+
+/// Returns a warning about the opening through which the sky lights a room.
+fn opening(scene: &Scene) -> Option<String> {
+    let is_searched = !scene.sky.is_black() && scene.portals.is_empty() && scene.primitives() <= MAX_SEARCHED;
+    let advice = is_searched.then(|| openings::advice(scene, &Structure::new(&scene.geometry())))??;
+    Some(format!("{}{}.", advice[..1].to_uppercase(), &advice[1..]))
 }
 
 /// The types of materials.
@@ -282,6 +296,7 @@ impl LightReport {
             // Two triangles may be one light.
             sampled: lights.probabilities.iter().filter(|&&probability| probability > 0.0).count(),
             sky: lights.sky.is_some(),
+            portals: lights.portals.len(),
             sky_contrast: match &lights.sky {
                 Some((sky, _)) => Some(sky.contrast),
                 None => EnvironmentLight::of(scene).map(|sky| sky.contrast),
@@ -296,6 +311,10 @@ impl LightReport {
                 let emitters = counted(emitters, "emitter", "emitters");
                 format!("next event estimation samples {} of {emitters}", grouped(sampled))
             }
+        };
+        let emitters = match self.portals {
+            0 => emitters,
+            count => format!("{emitters}; sky sampled through {}", counted(count, "portal", "portals")),
         };
         let Some(contrast) = self.sky_contrast else { return emitters };
         let sky = if self.sky { "sampled" } else { "not sampled" };

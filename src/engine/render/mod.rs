@@ -17,7 +17,7 @@ use crate::lights::Lights;
 use crate::math::{Hit, MISS};
 use crate::path_vertex::PathVertex;
 use crate::primitives::PrimitiveTables;
-use crate::rays::{Candidates, Geometry, Kind, PrimitiveTests};
+use crate::rays::{Candidates, Geometry, Kind, PrimitiveTests, Structure};
 use crate::scene::{Camera, Scene};
 use crate::threads::Threads;
 use rayon::prelude::*;
@@ -191,6 +191,10 @@ impl Renderer {
             }
             None => context.visible.clear(),
         }
+    }
+    /// Returns the geometry in the form that rays are traced through.
+    pub fn structure(&self) -> &Structure {
+        &self.context.structure
     }
     /// Returns the prepared camera.
     pub fn camera(&self) -> &Pinhole {

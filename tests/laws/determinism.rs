@@ -4,7 +4,7 @@
 use crate::common::*;
 use octray::integrate::pipeline_for;
 use octray::render::RenderObserver;
-use octray::scene::builtin_names;
+use octray::scene::{Portal, builtin_names};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 fn colored(rng: &mut Rng, kinds: impl IntoIterator<Item = MaterialKind>) -> Vec<Material> {
@@ -103,6 +103,12 @@ fn everything(triangles: usize) -> Scene {
     scene.textures[0].wrap = [Wrap::Clamp, Wrap::Mirror];
     scene.textures[1].wrap = [Wrap::Mirror, Wrap::Clamp];
     scene.sky = Sky::Texture { texture: 2, color: vec3(1.0, 0.9, 0.8), turn: 0.4 };
+    // Two openings that overlap.
+    scene.portals = [Vec3::ZERO, vec3(0.4, 0.0, 0.3)]
+        .map(|at| Portal {
+            vertices: [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(|[x, z]| at + vec3(x as f32, 2.0, -z as f32)),
+        })
+        .into();
     scene
 }
 

@@ -35,6 +35,7 @@ mod long_paths;
 mod occluders;
 mod one_path;
 mod pipelines;
+mod portals;
 mod random_scenes;
 mod sampling_laws;
 mod sobol;

@@ -90,6 +90,10 @@ fn mirrored(scene: &Scene) -> Scene {
         triangle.vertices.iter_mut().for_each(mirror);
         triangle.vertices.swap(1, 2);
     }
+    for portal in &mut scene.portals {
+        portal.vertices.iter_mut().for_each(mirror);
+        portal.vertices.swap(1, 3);
+    }
     scene.uvs.iter_mut().for_each(|uvs| uvs.swap(1, 2));
     scene.normals.iter_mut().flatten().for_each(mirror);
     scene.normals.iter_mut().for_each(|normals| normals.swap(1, 2));

@@ -11,6 +11,7 @@ pub fn in_file(mut scene: Scene) -> Scene {
     let Coordinates { unit, .. } = scene.coordinates;
     let place = |point: &mut glam::Vec3| *point = scene.coordinates.to_file(point.as_dvec3()).as_vec3();
     scene.triangles.iter_mut().flat_map(|triangle| &mut triangle.vertices).for_each(place);
+    scene.portals.iter_mut().flat_map(|portal| &mut portal.vertices).for_each(place);
     for sphere in &mut scene.spheres {
         place(&mut sphere.center);
         sphere.radius *= unit as f32;

@@ -392,3 +392,31 @@ fn a_message_has_three_lines_what_where_and_remedy() {
     let remedy = "in a scene of this size a radius is at least 1e-18";
     assert_eq!(error.to_string(), format!("the radius is 0\n  at {place}\n  {remedy}"));
 }
+
+#[test]
+fn portals_are_parallelograms_and_few() {
+    let portals = |corners: &str| with(&format!(r#""portals": [ {{ {corners} }} ]"#));
+    let example = r#""vertices": [[0, 1, 0], [0, 1, -2], [0, 2, -2], [0, 2, 0]]"#;
+    let around = r#"[[0, 1, 0], [0, 1, -2], [0, 2.5, -2], [0, 2.5, 0]]"#;
+    let cases = [
+        ("", "", example),
+        (r#""vertices": [[0, 1, 0], [0, 1, -2], [0, 2, -2]]"#, ".vertices", example),
+        (r#""vertices": [[0, 1, 0], [0, 1, -2], [0, 2, -2], [0, 2.5, 0]]"#, ".vertices", around),
+        (r#""vertices": [[0, 1, 0], [0, 1, -2], [0, 2, 0], [0, 2, -2]]"#, ".vertices", "in their order"),
+        (r#""vertices": [[0, 1, 0], [0, 1, 0], [0, 2, 0], [0, 2, 0]]"#, ".vertices", "span an area"),
+        (r#""vertices": [[0, 1, 0], [0, 1, 1e30], [0, 2, 0], [0, 2, 0]]"#, ".vertices[1][2]", "1e18"),
+    ];
+    assert_refused(portals, "portals[0]", &cases);
+    let many = format!(r#""portals": [ {} ]"#, vec![format!("{{ {example} }}"); 65].join(", "));
+    assert_refused(with, "", &[(&many, "", "at most 64")]);
+    // Rounded corners are taken, and completed.
+    let rounded = r#""sky": { "color": [0, 0, 0] }, "portals": [ { "vertices": [[0, 1, 0], [0, 1, -2], [0, 2.001, -2], [0, 2, 0]] } ]"#;
+    let scene = Folder::new().load("scene.json", with(rounded)).unwrap();
+    let [a, b, c, d] = scene.portals[0].vertices;
+    assert_eq!(c, b + d - a);
+    assert!(
+        scene.warnings.iter().any(|warning| warning.contains("no light comes through")),
+        "{:?}",
+        scene.warnings
+    );
+}

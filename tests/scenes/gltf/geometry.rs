@@ -1,5 +1,6 @@
 //! Triangles and cameras of glTF models: nodes, accessors, modes.
 
+use super::super::coordinates::in_file;
 use super::{Loaded, append, floats, model, placed, read, read_with, refused, square};
 use glam::{Vec3, vec3};
 use octray::scene::load;
@@ -227,4 +228,39 @@ fn scenes_matrices_and_cameras_are_the_ones_that_are_named() {
         json["scenes"][0]["nodes"] = json!([0, 1, 2]);
     }));
     assert_eq!(scene.camera.position.z, 7.0);
+}
+
+#[test]
+fn a_node_with_the_extra_portal_is_one_and_is_not_shown() {
+    let placed = |scale: [i32; 3], extras: serde_json::Value| {
+        let json = model(|json| {
+            json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "scale": scale, "translation": [0, 0, -2], "extras": extras }]);
+            json["scenes"][0]["nodes"] = json!([0, 1]);
+        });
+        read_with(&json, &square()).unwrap()
+    };
+    let normal = |[a, b, c, d]: [Vec3; 4]| {
+        assert!((a + c).abs_diff_eq(b + d, 1e-6));
+        (b - a).cross(d - a)
+    };
+    for (scale, front) in [([1, 1, 1], 1.0), ([-2, 1, 1], 2.0), ([1, 1, -1], -1.0)] {
+        let Loaded { scene, folder, path } = placed(scale, json!({ "portal": true }));
+        assert_eq!((scene.triangles.len(), scene.portals.len()), (2, 1), "{scale:?}");
+        let vertices = scene.portals[0].vertices;
+        assert!(normal(vertices).abs_diff_eq(front * Vec3::Z, 1e-5), "{scale:?}: {vertices:?}");
+        let converted = octray::scene::convert_model(&path, &folder.path("s.json")).unwrap();
+        assert_eq!(in_file(folder.load("s.json", converted.text).unwrap()).portals, scene.portals);
+    }
+    assert!(placed([1, 1, 1], json!({ "portal": 3 })).scene.portals.is_empty());
+    let strip = model(|json| {
+        json["meshes"][0]["primitives"].as_array_mut().unwrap().clear();
+        json["meshes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({ "primitives": model(|_| ())["meshes"][0]["primitives"] }));
+        json["nodes"] = json!([{ "mesh": 1 }, { "mesh": 0, "extras": { "portal": true } }]);
+        json["scenes"][0]["nodes"] = json!([0, 1]);
+    });
+    let scene = read(&strip);
+    assert!(scene.portals.is_empty() && scene.warnings[0].contains("nodes[1]"), "{:?}", scene.warnings);
 }

@@ -1,6 +1,7 @@
 //! The report of `octray inspect`: what a scene contains and how it is rendered, as text or as JSON.
 
 use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
+use super::punctual;
 use super::settings::{as_options, json};
 use super::text::item;
 use crate::buffers::Features;
@@ -46,6 +47,8 @@ pub struct Inspection {
     /// Features that the scene's pipeline must have.
     needs: Vec<&'static str>,
     lights: LightReport,
+    /// Points, spots and directional lights.
+    punctual_lights: Vec<String>,
     /// Bytes of the scene's lists and texels, without buffers and hierarchy.
     memory_bytes: usize,
     /// The default one, and why.
@@ -150,6 +153,11 @@ impl Inspection {
             }),
             needs: Features::of(scene).with(features_of(scene)).with(lights.needs()).names(),
             lights: LightReport::of(scene, &lights),
+            punctual_lights: scene
+                .lights
+                .iter()
+                .map(|light| punctual::text(light, &scene.coordinates))
+                .collect(),
             memory_bytes: memory(scene),
             hierarchy: has_hierarchy.then(|| HierarchyReport::of(scene)),
             traversal,
@@ -199,6 +207,9 @@ impl Inspection {
             ("origin", format!("{origin}: coordinates are rounded relative to it{unit}")),
             ("needs", self.needs.join(", ")),
             ("lights", self.lights.text()),
+        ]);
+        lines.extend(self.punctual_lights.iter().map(|light| ("light", light.clone())));
+        lines.extend([
             ("memory", DecimalBytes(self.memory_bytes as u64).to_string()),
             ("traversal", self.traversal.text()),
         ]);
@@ -358,6 +369,6 @@ fn memory(scene: &Scene) -> usize {
     texels + vertices + size_of_val(&spheres[..]) + size_of_val(&materials[..])
 }
 
-fn vector<T: Display>([x, y, z]: [T; 3]) -> String {
+pub fn vector<T: Display>([x, y, z]: [T; 3]) -> String {
     format!("({x}, {y}, {z})")
 }

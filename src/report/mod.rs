@@ -14,6 +14,7 @@ pub(crate) mod methods;
 pub(crate) mod numbers;
 pub(crate) mod page;
 pub(crate) mod path;
+pub(crate) mod punctual;
 pub(crate) mod rays;
 pub(crate) mod render;
 pub(crate) mod scale;

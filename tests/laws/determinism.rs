@@ -4,7 +4,7 @@
 use crate::common::*;
 use octray::integrate::pipeline_for;
 use octray::render::RenderObserver;
-use octray::scene::{Portal, builtin_names};
+use octray::scene::{LightShape, Portal, PunctualLight, builtin_names};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 fn colored(rng: &mut Rng, kinds: impl IntoIterator<Item = MaterialKind>) -> Vec<Material> {
@@ -109,6 +109,16 @@ fn everything(triangles: usize) -> Scene {
             vertices: [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(|[x, z]| at + vec3(x as f32, 2.0, -z as f32)),
         })
         .into();
+    let (position, intensity, range) = (vec3(0.5, 1.5, 1.0), vec3(2.0, 1.0, 0.5), 9.0);
+    let (direction, irradiance) = (vec3(0.3, -1.0, -0.2), vec3(0.5, 0.7, 0.9));
+    scene.lights = [
+        LightShape::Point { position, intensity, range },
+        LightShape::Spot { position, direction, intensity, range, inner_degrees: 9.0, outer_degrees: 60.0 },
+        LightShape::Directional { direction, irradiance, angular_diameter_degrees: 0.0 },
+        LightShape::Directional { direction, irradiance, angular_diameter_degrees: 30.0 },
+    ]
+    .map(PunctualLight::from)
+    .into();
     scene
 }
 

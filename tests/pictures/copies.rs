@@ -3,7 +3,7 @@
 
 use crate::common::statistics::{allowed, mean_and_error};
 use crate::common::*;
-use octray::scene::load_from;
+use octray::scene::{LightShape, load_from};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ fn load(path: &Path, change: impl Fn(&mut Value)) -> Scene {
 }
 
 /// Scales and moves all that a scene file says of places and lengths, after rounding it so that no sum
-/// rounds.
+/// rounds, and scales intensities so that surfaces stay as bright.
 fn place(json: &mut Value, key: &str, scale: f64, offset: [f64; 3]) {
     let is_point = matches!(key, "position" | "look_at" | "center" | "translate" | "vertices");
     match json {
@@ -44,8 +44,11 @@ fn place(json: &mut Value, key: &str, scale: f64, offset: [f64; 3]) {
                 *number = (rounded * scale + offset).into();
             }
         }
+        Value::Array(numbers) if key == "intensity" => {
+            numbers.iter_mut().for_each(|number| *number = (number.as_f64().unwrap() * scale * scale).into())
+        }
         Value::Array(items) => items.iter_mut().for_each(|item| place(item, key, scale, offset)),
-        length if matches!(key, "radius" | "scale" | "texture_size") => {
+        length if matches!(key, "radius" | "scale" | "texture_size" | "range") => {
             *length = (length.as_f64().unwrap() * scale).into();
         }
         _ => {}
@@ -94,6 +97,15 @@ fn mirrored(scene: &Scene) -> Scene {
         portal.vertices.iter_mut().for_each(mirror);
         portal.vertices.swap(1, 3);
     }
+    for light in &mut scene.lights {
+        match &mut light.shape {
+            LightShape::Point { position, .. } => mirror(position),
+            LightShape::Spot { position, direction, .. } => {
+                [position, direction].into_iter().for_each(mirror)
+            }
+            LightShape::Directional { direction, .. } => mirror(direction),
+        }
+    }
     scene.uvs.iter_mut().for_each(|uvs| uvs.swap(1, 2));
     scene.normals.iter_mut().flatten().for_each(mirror);
     scene.normals.iter_mut().for_each(|normals| normals.swap(1, 2));
@@ -130,6 +142,7 @@ fn mirrored_scenes_have_the_mirrored_film() {
 fn white_scenes_vanish_in_a_white_furnace() {
     for path in files() {
         let mut scene = load(&path, |_| {});
+        scene.lights.clear();
         for material in &mut scene.materials {
             // An emitter of the radiance of the sky vanishes too.
             let emission = if material.kind == Emitter { Vec3::ONE } else { Vec3::ZERO };

@@ -22,6 +22,7 @@ mod judged;
 mod lamps;
 mod levels_of_detail;
 mod peers;
+mod punctual;
 mod reference_laws;
 mod smooth;
 mod stability;

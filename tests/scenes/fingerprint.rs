@@ -2,7 +2,14 @@
 
 use glam::{Vec2, Vec3};
 use octray::checkpoint::Fingerprint;
-use octray::scene::{Filter, Portal, Scene, Side, Sky, Texels, Texture, Triangle, Wrap, load};
+use octray::scene::{
+    Filter, LightShape, Portal, PunctualLight, Scene, Side, Sky, Texels, Texture, Triangle, Wrap, load,
+};
+
+fn light() -> PunctualLight {
+    let shape = LightShape::Point { position: Vec3::Y, intensity: Vec3::ONE, range: f32::INFINITY };
+    shape.into()
+}
 
 #[test]
 fn each_change_of_a_scene_changes_one_checksum() {
@@ -24,7 +31,7 @@ fn each_change_of_a_scene_changes_one_checksum() {
     let sums = |scene: &Scene| serde_json::to_value(Fingerprint::from_scene(scene)).unwrap();
     let own = sums(&scene);
     type Change = fn(&mut Scene);
-    let changes: [(Change, &str); 18] = [
+    let changes: [(Change, &str); 19] = [
         (|scene| scene.name.push('x'), ""),
         (|scene| scene.resolution[0] += 1, ""),
         (|scene| scene.camera.position.x += 1e-3, "camera"),
@@ -36,6 +43,7 @@ fn each_change_of_a_scene_changes_one_checksum() {
         (|scene| scene.textures[1].filter = Filter::Bilinear, "textures"),
         (|scene| scene.textures[1].wrap[1] = Wrap::Clamp, "textures"),
         (|scene| scene.textures[2].texels = Texels::Float32(vec![[0.5, 0.25, 0.25, 0.0]]), "textures"),
+        (|scene| scene.lights.push(light()), "lights"),
         (|scene| scene.spheres[0].radius *= 1.000_001, "spheres"),
         (|scene| scene.spheres[0].texture_turn += 0.5, "spheres"),
         (|scene| scene.spheres[0].texture_side = Side::Outside, "spheres"),

@@ -13,6 +13,7 @@ mod fingerprint;
 mod gltf;
 mod hostile;
 mod images;
+mod lights;
 mod maps;
 mod obj;
 mod output;

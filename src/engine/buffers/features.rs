@@ -65,6 +65,8 @@ features! {
     WRAPS = 32, "wraps";
     /// The sky is sampled through quads.
     PORTALS = 25, "portals";
+    /// Point, spot and directional lights.
+    PUNCTUAL_LIGHTS = 26, "punctual-lights";
 }
 
 impl Features {
@@ -144,6 +146,7 @@ impl Features {
         need(matches!(scene.sky, Sky::Gradient { .. }), Self::SKY_GRADIENT);
         need(!scene.portals.is_empty(), Self::PORTALS);
         need(matches!(scene.sky, Sky::Texture { .. }), Self::SKY_TEXTURE);
+        need(!scene.lights.is_empty(), Self::PUNCTUAL_LIGHTS);
         let mut texture = |texture: u32| {
             let texture = &scene.textures[texture as usize];
             need(texture.filter != Filter::Nearest, Self::BILINEAR);

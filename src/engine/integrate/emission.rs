@@ -13,6 +13,7 @@ use crate::kernel::ray_cone;
 use crate::kernel::surface::latitude_longitude;
 use crate::kernel::texture::TexturePoint;
 use crate::lane::{Bits, Lane, Mask};
+use crate::lights::sun_radiance;
 use crate::math::Vec3;
 use crate::primitives::Surface;
 use crate::scene::TexelKind;
@@ -53,20 +54,40 @@ pub fn missed_radiance<L: Lane, const N: u64, const FIRST: bool>(
         return Vec3::zero();
     }
     let mut radiance =
-        environment_radiance::<L, N>(context, path.ray.direction, path.cone.angle, missed) * path.throughput;
+        sky_radiance::<L, N>(context, path.ray.direction, path.cone.angle, missed) * path.throughput;
     if !FIRST
         && has(N, Features::LIGHTS)
         && let Some(pdf) = context.lights.sky_pdf::<L, N>(path.ray.origin, path.ray.direction)
     {
         radiance = radiance * mis_weight(path.inv_pdf, pdf);
     }
+    if has(N, Features::PUNCTUAL_LIGHTS) && !context.lights.suns.is_empty() {
+        let suns = sun_radiance(&context.lights.suns, path.ray.direction, path.inv_pdf, mis_weight);
+        radiance = radiance + suns * path.throughput;
+    }
     Vec3::select(missed, radiance, Vec3::zero())
 }
 
-/// Returns the environment's radiance from a direction, in a cone of this `angle`; unspecified in lanes
-/// outside `mask`.
+/// Returns the radiance of the sky and of the discs of directional lights from a direction, in a cone of this
+/// `angle`; unspecified in lanes outside `mask`.
 #[inline(always)]
 pub fn environment_radiance<L: Lane, const N: u64>(
+    context: &TraceContext,
+    direction: Vec3<L>,
+    angle: L,
+    mask: L::Mask,
+) -> Vec3<L> {
+    let sky = sky_radiance::<L, N>(context, direction, angle, mask);
+    match context.lights.suns.as_slice() {
+        [] => sky,
+        suns => sky + sun_radiance(suns, direction, L::zero(), mis_weight),
+    }
+}
+
+/// Returns the radiance of the sky from a direction, in a cone of this `angle`; unspecified in lanes outside
+/// `mask`.
+#[inline(always)]
+pub fn sky_radiance<L: Lane, const N: u64>(
     context: &TraceContext,
     direction: Vec3<L>,
     angle: L,

@@ -3,7 +3,7 @@
 use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
 use super::context::TraceContext;
 use super::context::has;
-use super::emission::{environment_radiance, mis_weight};
+use super::emission::{mis_weight, sky_radiance};
 use super::material::{MaterialSample, scattered_cone};
 use super::queue::{Path, ShadowQueue, ShadowRay};
 use super::scratch::Scratch;
@@ -75,7 +75,11 @@ pub fn sample_direct_light<L: Lane, const N: u64>(
     let inv_pdf = L::one() / L::select(possible, pdf, L::one());
     // The probability is that by power, as in BSDF sampling: the weights of a direction sum to 1 with any
     // pdf. 1 − the weight of BSDF sampling would cancel; this is the same heuristic with the pdfs exchanged.
-    let weight = mis_weight(inv_pdf, bsdf.pdf);
+    let mut bsdf_pdf = bsdf.pdf;
+    if has(N, Features::PUNCTUAL_LIGHTS) {
+        bsdf_pdf = L::select(light.is_delta(), L::zero(), bsdf_pdf);
+    }
+    let weight = mis_weight(inv_pdf, bsdf_pdf);
     let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf * light.weight);
     let carries = possible & !(radiance.x + radiance.y + radiance.z).eq(L::zero());
     if !carries.any() {
@@ -106,7 +110,7 @@ fn emission<L: Lane, const N: u64>(
     }
     // The angle that BSDF sampling uses in the same direction: both weights must be those of one sky.
     let angle = scattered_cones::<L, N>(context, at).angle;
-    let radiance = environment_radiance::<L, N>(context, sample.wi, angle, seen);
+    let radiance = sky_radiance::<L, N>(context, sample.wi, angle, seen);
     Vec3::select(seen, radiance, light.emission)
 }
 

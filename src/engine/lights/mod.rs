@@ -1,8 +1,8 @@
 //! Next event estimation's lights: which emitters are lights, which light is chosen, and a point on it.
 //!
 //! The lights of primitives are files of [`crate::primitives`]; [`environment`] and [`portals`] are the sky,
-//! whole and through openings. Each has the
-//! power of its kind, its row of the table, *sample* and *pdf*. A new kind has a field of
+//! whole and through openings, and [`punctual`] has points, spots and directional lights. Each has the power
+//! of its kind, its row of the table, *sample* and *pdf*. A new kind has a field of
 //! [`crate::primitives::LightKinds`]; the compiler then names every place that must know it.
 //!
 //! Shapes: `WIDTH` lit points with a light each; vectors of samples are relative to the lit point.
@@ -17,11 +17,13 @@ mod parallelograms;
 mod pieces;
 pub mod portals;
 mod power;
+pub mod punctual;
 mod select;
 mod table;
 
 pub use environment::EnvironmentLight;
 pub use portals::Portals;
+pub use punctual::{Sun, sun_radiance};
 pub use table::Lights;
 
 use crate::buffers::{Features, has};
@@ -29,7 +31,7 @@ use crate::choice::choices;
 use crate::kernel::surface::latitude_longitude;
 use crate::lane::{Lane, Mask};
 use crate::math::Vec3;
-use crate::primitives::light::{ChosenLight, LightSample};
+use crate::primitives::light::{ChosenLight, LightKinds, LightSample};
 
 choices! {
     /// The emitters that next event estimation samples. Paths also hit emitters by scattering.
@@ -40,7 +42,7 @@ choices! {
         On = "on", "Every emitter that can be sampled.";
         Power = "power",
             "As auto, but chosen by power alone, every triangle by itself.";
-        Off = "off", "None: paths hit emitters by scattering alone.";
+        Off = "off", "None but those that paths cannot hit.";
     }
 }
 
@@ -62,12 +64,19 @@ impl Lights {
         {
             sample = LightSample::select(environment, sky.sample(u, v), sample);
         }
-        if has(N, Features::PORTALS) && (mask & light.kinds.portal).any() {
+        let LightKinds { portal, point, distant, .. } = light.kinds;
+        if has(N, Features::PORTALS) && (mask & portal).any() {
             let through = portals::through_portal(light, origin, &sample);
-            sample = LightSample::select(light.kinds.portal, through, sample);
+            sample = LightSample::select(portal, through, sample);
+        }
+        let lanes = point | distant;
+        if has(N, Features::PUNCTUAL_LIGHTS) && (mask & lanes).any() {
+            sample = LightSample::select(lanes, punctual::sample(light, origin, (u, v)), sample);
         }
         if self.needs_hits() {
-            sample.t = L::splat(f32::INFINITY);
+            let endless = L::splat(f32::INFINITY);
+            let ends = has(N, Features::PUNCTUAL_LIGHTS);
+            sample.t = if ends { L::select(point, sample.t, endless) } else { endless };
         }
         sample
     }

@@ -4,7 +4,7 @@
 use super::parallelograms::{self, Half};
 use super::portals::PortalLight;
 use super::power::{Emitted, has_texture};
-use super::{EnvironmentLight, LightChoice, overlaps, pieces};
+use super::{EnvironmentLight, LightChoice, overlaps, pieces, punctual};
 use crate::math::MISS;
 use crate::primitives;
 use crate::primitives::flat::Flat;
@@ -17,8 +17,8 @@ pub(super) struct Light {
     pub row: LightRow,
     /// The row by which [`super::choose`] weighs the light.
     pub importance: [f32; 8],
-    /// The two primitives of the light, or twice the one that it is or is a piece of; [`MISS`] for the
-    /// sky.
+    /// The two primitives of the light, or twice the one that it is or is a piece of; [`MISS`] for lights
+    /// that are no primitives, which shadow rays reach by hitting nothing.
     pub primitives: [u32; 2],
     pub power: f64,
 }
@@ -26,7 +26,8 @@ pub(super) struct Light {
 /// The lights of a scene.
 #[derive(Default)]
 pub(super) struct Selection {
-    /// The lights in the order of their primitives; then the portals, and the environment as the last one.
+    /// The lights in the order of their primitives, then portals, those of [`Scene::lights`], and the
+    /// environment as the last one.
     pub lights: Vec<Light>,
     /// The power of all lights.
     pub total: f64,
@@ -39,7 +40,8 @@ pub(super) struct Selection {
 
 impl Selection {
     /// Selects the lights of a scene. Unless all are wanted, a sphere around the camera is excluded; unless
-    /// lights are chosen only by power, triangles are merged into parallelograms and split into pieces.
+    /// lights are chosen only by power, triangles are merged into parallelograms and split into pieces. If
+    /// light sampling is off, only lights are left that paths cannot hit.
     pub fn new(
         scene: &Scene,
         sky: Option<&EnvironmentLight>,
@@ -47,14 +49,21 @@ impl Selection {
         choice: LightChoice,
     ) -> Self {
         let emitted = Emitted::by(scene);
-        let power = |number: usize| emitted.power(number, choice == LightChoice::On);
+        let power = |number: usize| match choice {
+            LightChoice::Off => 0.0,
+            LightChoice::Auto | LightChoice::On | LightChoice::Power => {
+                emitted.power(number, choice == LightChoice::On)
+            }
+        };
         let powers: Vec<f64> = (0..scene.primitives()).map(power).collect();
         let portal_power: f64 = portals.iter().map(|portal| portal.power).sum();
         // Within rooms, nearly all light of the sky comes through their portals.
         let whole_power =
             |sky: &EnvironmentLight| if portals.is_empty() { sky.power(scene) } else { portal_power };
         let sky_power = sky.map_or(0.0, whole_power);
-        let total = powers.iter().sum::<f64>() + portal_power + sky_power;
+        let punctual = punctual::lights(scene, choice);
+        let others: f64 = punctual.iter().map(|light| light.power).sum();
+        let total = powers.iter().sum::<f64>() + portal_power + sky_power + others;
         let mut found = Self { total, ..Self::default() };
         if found.total <= 0.0 || !found.total.is_finite() {
             return Self::default();
@@ -88,6 +97,7 @@ impl Selection {
             let (row, importance) = portal.light();
             found.lights.push(Light { row, importance, primitives: [MISS; 2], power: portal.power });
         }
+        found.lights.extend(punctual);
         if let Some(sky) = sky.filter(|_| sky_power > 0.0) {
             let (row, importance) = sky.light(!portals.is_empty());
             found.lights.push(Light { row, importance, primitives: [MISS; 2], power: sky_power });

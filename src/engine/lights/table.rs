@@ -3,11 +3,12 @@
 use super::alias_table::AliasTable;
 use super::parallelograms::Half;
 use super::select::Selection;
-use super::{EnvironmentLight, LightChoice, Portals, portals};
+use super::{EnvironmentLight, LightChoice, Portals, Sun, portals, punctual};
 use crate::buffers::Features;
 use crate::buffers::rows::Rows;
 use crate::lane::{Bits, Lane};
-use crate::primitives::light::{LightRow, LightTable, SampledAs};
+use crate::math::MISS;
+use crate::primitives::light::{LightKind, LightRow, LightTable, SampledAs};
 use crate::scene::{MaterialKind, Scene};
 use glam::Vec3;
 use std::collections::HashMap;
@@ -32,6 +33,8 @@ pub struct Lights {
     pub sky: Option<(EnvironmentLight, f32)>,
     /// The portals, which follow the lights of primitives.
     pub portals: Portals,
+    /// The discs of directional lights, sampled or not.
+    pub suns: Vec<Sun>,
     /// The triangles that are halves of parallelograms.
     halves: HashMap<usize, Half>,
     /// The light that is the first piece of each triangle sampled in pieces; the others follow.
@@ -59,31 +62,33 @@ impl Lights {
 
     /// Builds the table of the lights of a scene that the choice selects.
     pub fn new(scene: &Scene, choice: LightChoice) -> Self {
-        if choice == LightChoice::Off || !anything_scatters(scene) {
-            return Self::default();
+        let none = || Self { suns: punctual::suns(scene, std::iter::empty()), ..Self::default() };
+        let is_off = choice == LightChoice::Off;
+        if is_off && scene.lights.is_empty() || !anything_scatters(scene) {
+            return none();
         }
         let pays = |sky: &EnvironmentLight| choice == LightChoice::On || sky.contrast >= MIN_CONTRAST;
-        let sky = EnvironmentLight::of(scene);
-        let portals = portals::lights(scene, sky.as_ref());
+        let sky = EnvironmentLight::of(scene).filter(|_| !is_off);
+        let portals = if is_off { Vec::new() } else { portals::lights(scene, sky.as_ref()) };
         let sky = sky.filter(pays);
         let selection = Selection::new(scene, sky.as_ref(), &portals, choice);
         let Selection { lights, total, halves, first_pieces, pieces_side, needs_hits } = selection;
         if lights.is_empty() {
-            return Self::default();
+            return none();
         }
         let shares = raised_shares(lights.iter().map(|light| light.power / total).collect());
-        // The last one belongs to the environment.
-        let mut probabilities = vec![0.0; scene.primitives() + 1];
         let portals = Portals::new(portals, &lights, &shares);
-        for (number, (light, &share)) in lights.iter().zip(&shares).enumerate() {
-            if portals.of_light(number).is_some() {
-                continue;
+        let (mut probabilities, mut sky_probability) = (vec![0.0; scene.primitives()], 0.0);
+        for (light, &share) in lights.iter().zip(&shares) {
+            match (light.row.kind, light.primitives.map(|number| number as usize)) {
+                (LightKind::Environment, _) => sky_probability = share as f32,
+                (LightKind::Portal | LightKind::Point | LightKind::Distant, _) => {}
+                (LightKind::Sphere | LightKind::Triangle | LightKind::Parallelogram, [first, second]) => {
+                    probabilities[first] += share as f32;
+                    probabilities[second] = probabilities[first];
+                }
             }
-            let [first, second] = light.primitives.map(|number| scene.primitives().min(number as usize));
-            probabilities[first] += share as f32;
-            probabilities[second] = probabilities[first];
         }
-        let sky_probability = probabilities.pop().unwrap_or_default();
         let is_few = (2..=Self::MAX_COMPARED).contains(&lights.len());
         let by_irradiance = choice != LightChoice::Power && (is_few || lights.len() > Self::MAX_SHARED);
         let important = lights.iter().filter(|_| by_irradiance);
@@ -91,11 +96,14 @@ impl Lights {
         Self {
             importance_rows: Rows::new(important.map(|light| light.importance)),
             primitives: identified.flat_map(|light| light.primitives).collect(),
-            // If hits decide, the emission of a light is known only when a shadow ray has hit it.
+            suns: punctual::suns(scene, lights.iter().map(|light| &light.row).zip(shares.iter().copied())),
+            // If hits decide, the emission of a primitive is known only when a shadow ray has hit it.
             table: LightTable::new(
                 lights.iter().zip(&shares).flat_map(|(light, &share)| match needs_hits {
-                    true => LightRow { emission: Vec3::ONE, ..light.row }.pack(share as f32),
-                    false => light.row.pack(share as f32),
+                    true if light.primitives != [MISS; 2] => {
+                        LightRow { emission: Vec3::ONE, ..light.row }.pack(share as f32)
+                    }
+                    _ => light.row.pack(share as f32),
                 }),
                 pieces_side,
             ),
@@ -123,8 +131,8 @@ impl Lights {
     pub fn needs_hits(&self) -> bool {
         !self.primitives.is_empty()
     }
-    /// Tests whether each primitive is one of its lane's light; [`crate::math::MISS`] represents the
-    /// sky. Domain: [`Lights::needs_hits`].
+    /// Tests whether each primitive is one of its lane's light; [`MISS`] represents lights that are no
+    /// primitives. Domain: [`Lights::needs_hits`].
     pub fn is_primitive_of_light<L: Lane>(&self, primitive: L::Bits, light: L::Bits) -> L::Mask {
         let first = light.shl(1);
         let [one, other] = [first, first | L::Bits::splat(1)].map(|at| L::gather_bits(&self.primitives, at));

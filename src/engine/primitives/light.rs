@@ -89,20 +89,30 @@ pub(crate) enum LightKind {
     Triangle,
     Parallelogram,
     Portal,
+    /// A point or a spot.
+    Point,
+    /// A directional light.
+    Distant,
     #[default]
     Environment,
 }
 
 impl LightKind {
-    const ALL: [Self; 5] =
-        [Self::Sphere, Self::Triangle, Self::Parallelogram, Self::Portal, Self::Environment];
+    const ALL: [Self; 7] = [
+        Self::Sphere,
+        Self::Triangle,
+        Self::Parallelogram,
+        Self::Portal,
+        Self::Point,
+        Self::Distant,
+        Self::Environment,
+    ];
 }
 
 // `ALL` has every kind, and the last one at its end.
 const _: () = match LightKind::ALL[LightKind::ALL.len() - 1] {
-    LightKind::Sphere | LightKind::Triangle | LightKind::Parallelogram | LightKind::Portal => {
-        panic!("a kind is lacking")
-    }
+    LightKind::Sphere | LightKind::Triangle | LightKind::Parallelogram => panic!("a kind is lacking"),
+    LightKind::Portal | LightKind::Point | LightKind::Distant => panic!("a kind is lacking"),
     LightKind::Environment => assert!(LightKind::Environment as usize + 1 == LightKind::ALL.len()),
 };
 
@@ -138,6 +148,10 @@ pub struct LightKinds<L: Lane> {
     pub flat: L::Mask,
     /// The lanes with portals.
     pub portal: L::Mask,
+    /// The lanes with points and spots.
+    pub point: L::Mask,
+    /// The lanes with directional lights.
+    pub distant: L::Mask,
     /// The lanes with the environment.
     pub environment: L::Mask,
 }
@@ -150,6 +164,8 @@ impl<L: Lane> LightKinds<L> {
             LightKind::Sphere => &mut self.sphere,
             LightKind::Triangle | LightKind::Parallelogram => &mut self.flat,
             LightKind::Portal => &mut self.portal,
+            LightKind::Point => &mut self.point,
+            LightKind::Distant => &mut self.distant,
             LightKind::Environment => &mut self.environment,
         }
     }
@@ -166,15 +182,18 @@ pub struct ChosenLight<L: Lane> {
     pub index: L::Bits,
     /// The kind of the light.
     pub kinds: LightKinds<L>,
-    /// The centre of a sphere, or the first vertex of a flat light or a portal.
+    /// The centre of a sphere, the first vertex of a flat light or a portal, the place of a point, or the
+    /// unit vector towards the middle of a distant light.
     pub at: Vec3<L>,
-    /// The radius of a sphere.
+    /// The radius of a sphere; one over the range of a point; 1 − cos of the half angle of a distant light.
     pub radius: L,
-    /// The edges of a flat light to the second vertex and to the third, of a portal to the fourth.
+    /// The edges of a flat light to the second vertex and to the third, of a portal to the fourth; the unit
+    /// axis of a spot and the numbers of its falloff: see [`crate::lights::punctual`].
     pub edges: [Vec3<L>; 2],
     /// The lanes of flat lights that are the parallelogram which continues the triangle.
     pub is_quad: L::Mask,
-    /// The radiance of the light; 1 if [`crate::lights::Lights::needs_hits`]; 0 for the environment and
+    /// The radiance of the light, the intensity of a point, or the irradiance of a distant light without a
+    /// disc. It is 1 for primitives if [`crate::lights::Lights::needs_hits`], and 0 for the environment and
     /// portals: the sky has its own.
     pub emission: Vec3<L>,
     /// The light's error bound: shadow rays end at this distance from its surface.
@@ -187,11 +206,17 @@ pub struct ChosenLight<L: Lane> {
 }
 
 impl<L: Lane> ChosenLight<L> {
-    /// Samples a point of each lane's light, as seen from `origin`, in the lanes of `mask`. Lanes with the
-    /// environment are unspecified.
+    /// Returns the lanes whose light no scattered ray can hit.
+    #[inline(always)]
+    pub fn is_delta(&self) -> L::Mask {
+        self.kinds.point | (self.kinds.distant & self.radius.eq(L::zero()))
+    }
+
+    /// Samples a point of each lane's light, as seen from `origin`, in the lanes of `mask`. Lanes with lights
+    /// that are no primitives are unspecified.
     #[inline(always)]
     pub fn sample<const N: u64>(&self, origin: Vec3<L>, (u, v): (L, L), mask: L::Mask) -> LightSample<L> {
-        let LightKinds { sphere, mut flat, portal, environment: _ } = self.kinds;
+        let LightKinds { sphere, mut flat, portal, point: _, distant: _, environment: _ } = self.kinds;
         let center = self.at - origin;
         let mut on_flat = self.flat(origin);
         if has(N, Features::PORTALS) {
@@ -237,7 +262,14 @@ impl LightTable {
             self.rows.fetch::<L>(first | L::Bits::splat(1), fits_registers);
         let is = |code: LightKind| kind.to_bits().equals(L::Bits::splat(code as u32));
         let none = L::Mask::splat(false);
-        let mut kinds = LightKinds { sphere: none, flat: none, portal: none, environment: none };
+        let mut kinds = LightKinds {
+            sphere: none,
+            flat: none,
+            portal: none,
+            point: none,
+            distant: none,
+            environment: none,
+        };
         for kind in LightKind::ALL {
             let lanes = kinds.lanes_of(kind);
             *lanes = *lanes | is(kind);
@@ -282,12 +314,13 @@ impl LightTable {
 pub struct LightSample<L: Lane> {
     /// The unit vector towards the point.
     pub wi: Vec3<L>,
-    /// The distance to the point, in scene units. It is infinite for the environment and portals, and for all
-    /// lights if the hits of shadow rays decide: see [`crate::lights::Lights::needs_hits`].
+    /// The distance to the point, in scene units. It is infinite for the sky and distant lights, and for all
+    /// primitives if the hits of shadow rays decide: see [`crate::lights::Lights::needs_hits`].
     pub t: L,
-    /// The light's unit normal there, on the lit side; zero for the environment and portals.
+    /// The light's unit normal there, on the lit side; zero for lights that are no primitives.
     pub n: Vec3<L>,
-    /// The pdf of `wi`.
+    /// The pdf of `wi`; for delta lights ([`ChosenLight::is_delta`]) the emission over the irradiance that
+    /// arrives across `wi`.
     pub pdf: L,
 }
 
@@ -306,7 +339,7 @@ impl<L: Lane> LightSample<L> {
 
 /// Returns the pdf if it is finite and above 0; else 0.
 #[inline(always)]
-pub(super) fn valid_pdf<L: Lane>(pdf: L) -> L {
+pub(crate) fn valid_pdf<L: Lane>(pdf: L) -> L {
     pdf.only(L::zero().lt(pdf) & pdf.is_finite())
 }
 

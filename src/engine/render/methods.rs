@@ -143,9 +143,11 @@ impl Methods {
             (Some(_), Some(tests)) => Structure::tree_with(geometry, tests, lanes),
             (None, Some(tests)) => Structure::list_with(geometry, tests, lanes),
         };
-        // The sky lies behind all walls; with vertex normals, rays start above the triangles.
+        // The sky and the lights that are no primitives may lie behind all walls; with vertex normals, rays
+        // start above the triangles.
         let is_sky_sampled = lights.sky.is_some() || !lights.portals.is_empty();
-        let has_targets = !lights.is_empty() && !is_sky_sampled && scene.normals.is_empty();
+        let all_are_primitives = !is_sky_sampled && scene.lights.is_empty();
+        let has_targets = !lights.is_empty() && all_are_primitives && scene.normals.is_empty();
         match has_targets {
             true => structure.with_targets(geometry, |number| lights.probabilities[number] > 0.0),
             false => structure,

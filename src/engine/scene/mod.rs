@@ -2,11 +2,13 @@
 
 mod camera;
 mod framing;
+mod light;
 mod material;
 mod model;
 mod texture;
 
 pub use camera::{Camera, CameraFault, MIN_LENGTH};
+pub use light::{LightShape, LightUnits, PunctualLight};
 pub use material::{Material, MaterialKind};
 pub use model::*;
 pub use octray_rays::coordinates::{Coordinates, MAX_COORDINATE};

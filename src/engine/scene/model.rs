@@ -4,6 +4,7 @@
 //! [`crate::lights`]; the intersection tests are in [`crate::rays`].
 
 use super::camera::Camera;
+use super::light::PunctualLight;
 use super::material::Material;
 use super::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
@@ -36,6 +37,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// The textures; materials and the sky refer to them by index.
     pub textures: Vec<Texture>,
+    /// The lights that are no primitives.
+    pub lights: Vec<PunctualLight>,
     /// All spheres.
     pub spheres: Vec<Sphere>,
     /// All triangles.
@@ -97,9 +100,10 @@ impl Scene {
             (Kind::Triangle, index) => ("triangles", index),
         }
     }
-    /// Tests whether any primitive emits light.
+    /// Tests whether any primitive or light emits light.
     pub fn emits(&self) -> bool {
-        self.all_primitives().any(|primitive| self.materials[primitive.material() as usize].emits())
+        self.lights.iter().any(|light| light.shape.brightness() != Vec3::ZERO)
+            || self.all_primitives().any(|primitive| self.materials[primitive.material() as usize].emits())
     }
     /// Returns the geometry of all primitives, for tracing rays.
     pub fn geometry(&self) -> Geometry {

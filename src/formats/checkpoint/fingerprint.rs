@@ -1,7 +1,7 @@
 //! Condenses the content of a scene to a few checksums.
 
 use crc32fast::Hasher;
-use octray_engine::scene::{Scene, Sphere, Texels, Texture, Triangle, Wrap};
+use octray_engine::scene::{PunctualLight, Scene, Sphere, Texels, Texture, Triangle, Wrap};
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
@@ -18,6 +18,9 @@ pub struct Fingerprint {
     pub materials: String,
     /// All texels and their filters.
     pub textures: String,
+    /// All lights that are no primitives; empty without any.
+    #[serde(default)]
+    pub lights: String,
     /// Centres, radii, materials and turns.
     pub spheres: String,
     /// Vertices and materials of triangles.
@@ -41,6 +44,7 @@ impl Fingerprint {
             sky,
             materials,
             textures,
+            lights,
             spheres,
             triangles,
             portals,
@@ -57,11 +61,17 @@ impl Fingerprint {
             sky: if portals.is_empty() { hash_debug(sky) } else { hash_debug(&(sky, portals)) },
             materials: hash_debug(materials),
             textures: hash_textures(textures),
+            lights: hash_lights(lights),
             spheres: hash_words(spheres.iter().flat_map(sphere_words)),
             triangles: hash_words(triangles.iter().flat_map(triangle_words)),
             vertices: hash_words(uvs.chain([u32::MAX]).chain(normals)),
         }
     }
+}
+
+fn hash_lights(lights: &[PunctualLight]) -> String {
+    let shapes: Vec<_> = lights.iter().map(|light| light.shape).collect();
+    if shapes.is_empty() { String::new() } else { hash_debug(&shapes) }
 }
 
 fn sphere_words(sphere: &Sphere) -> [u32; 7] {

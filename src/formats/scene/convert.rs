@@ -13,7 +13,9 @@ use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use octray_engine::film::Picture;
-use octray_engine::scene::{Filter, Material, MaterialKind, Portal, Scene, Sky, Texels, Texture, Wrap};
+use octray_engine::scene::{
+    Filter, LightShape, Material, MaterialKind, Portal, Scene, Sky, Texels, Texture, Wrap,
+};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -115,7 +117,49 @@ fn text(scene: &Scene, paths: &[String]) -> String {
         text += if number == 0 { "\n" } else { ",\n" };
         text += &triangle_text(scene, number, &names);
     }
-    text + "\n  ]\n}\n"
+    text + "\n  ]" + &lights_text(scene) + "\n}\n"
+}
+
+/// Returns the entry of the lights; nothing without lights.
+fn lights_text(scene: &Scene) -> String {
+    if scene.lights.is_empty() {
+        return String::new();
+    }
+    let lines = scene.lights.iter().map(|light| format!("    {}", light_text(&light.shape, scene)));
+    format!(",\n  \"lights\": [\n{}\n  ]", lines.collect::<Vec<_>>().join(",\n"))
+}
+
+fn light_text(shape: &LightShape, scene: &Scene) -> String {
+    let coordinates = &scene.coordinates;
+    let at = |position: Vec3, intensity: Vec3, range: f32| {
+        // The unit is a power of two: no digit changes.
+        let unit = coordinates.unit as f32;
+        let range = match range.is_finite() {
+            true => format!(", \"range\": {}", number(range * unit)),
+            false => String::new(),
+        };
+        let intensity = vector(intensity * unit * unit);
+        format!("\"position\": {}, \"intensity\": {intensity}{range}", placed(position, coordinates))
+    };
+    match *shape {
+        LightShape::Point { position, intensity, range } => {
+            format!("{{ \"type\": \"point\", {} }}", at(position, intensity, range))
+        }
+        LightShape::Spot { position, direction, intensity, range, inner_degrees, outer_degrees } => format!(
+            "{{ \"type\": \"spot\", {}, \"direction\": {}, \"inner_degrees\": {}, \"outer_degrees\": {} }}",
+            at(position, intensity, range),
+            vector(direction),
+            number(inner_degrees),
+            number(outer_degrees)
+        ),
+        LightShape::Directional { direction, irradiance, angular_diameter_degrees } => format!(
+            "{{ \"type\": \"directional\", \"direction\": {}, \"irradiance\": {}, \
+             \"angular_diameter_degrees\": {} }}",
+            vector(direction),
+            vector(irradiance),
+            number(angular_diameter_degrees)
+        ),
+    }
 }
 
 fn triangle_text(scene: &Scene, number: usize, names: &[String]) -> String {

@@ -149,12 +149,21 @@ fn is_in_material(steps: &[Step]) -> bool {
     matches!(steps, [Step::Key(list), _, ..] if list == "materials")
 }
 
+/// Tests whether the steps lead into an entry of this list of the scene.
+fn is_in_list(steps: &[Step], list: &str) -> bool {
+    matches!(steps, [Step::Key(name), Step::Item(_), _, ..] if name == list)
+}
+
 /// Returns an example of the value that steps lead to.
 fn example_of(steps: &[Step]) -> Option<&'static str> {
     match steps.last()? {
         Step::Key(_) if is_in_material(steps) && steps.len() == 2 => Some(MATERIAL),
         Step::Key(key) if key == "vertices" && matches!(&steps[0], Step::Key(list) if list == "portals") => {
             Some(PORTAL)
+        }
+        Step::Key(key) if key == "type" && is_in_list(steps, "lights") => Some("\"point\""),
+        Step::Key(key) if ["lights", "camera"].contains(&key.as_str()) && is_in_list(steps, "meshes") => {
+            Some("false")
         }
         Step::Key(key) => example(key),
         Step::Item(_) => None,

@@ -40,6 +40,14 @@ pub fn example(key: &str) -> Option<&'static str> {
         "uvs" => "[[0, 0], [1, 0], [0, 1]]",
         "meshes" => "[ { \"model\": \"bunny.obj\", \"scale\": 10 } ]",
         "model" | "obj" => "\"bunny.obj\"",
+        "lights" => "[ { \"type\": \"point\", \"position\": [0, 3, 0], \"intensity\": [10, 10, 10] } ]",
+        "intensity" => "[10, 10, 10]",
+        "irradiance" => "[3, 3, 3]",
+        "direction" => "[0.3, -1, 0.2]",
+        "range" => "20",
+        "inner_degrees" | "outer_degrees" => "30",
+        "angular_diameter_degrees" => "0.53",
+        "light_units" => "\"radiometric\"",
         "texture" | "roughness_map" | "normal_map" | "emission_map" => "\"picture.png\"",
         "filter" => "\"bilinear\"",
         "wrap" => "\"clamp\"",
@@ -78,6 +86,8 @@ pub struct SceneFile {
     pub meshes: Vec<MeshFile>,
     #[serde(default)]
     pub portals: Vec<PortalFile>,
+    #[serde(default)]
+    pub lights: Vec<LightFile>,
 }
 
 #[derive(Deserialize, Default)]
@@ -211,6 +221,38 @@ pub struct MeshFile {
     /// Missing: the model's own normals.
     pub smooth: Option<f64>,
     pub scale: Option<f64>,
+    /// Whether the model's lights come along. Missing: they do.
+    pub lights: Option<bool>,
+    /// Whether the model's camera may be the scene's. Missing: it may, if the scene has none.
+    pub camera: Option<bool>,
+    /// Missing: decided by the program that wrote the model.
+    pub light_units: Option<LightUnitsFile>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+pub enum LightUnitsFile {
+    Radiometric,
+    Blender,
+}
+
+/// A light with the keys of all types. `light` checks which of them belong to `type`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightFile {
+    pub r#type: String,
+    pub position: Option<[f64; 3]>,
+    pub direction: Option<[f64; 3]>,
+    /// The point towards which a spot shines, in place of `direction`.
+    pub look_at: Option<[f64; 3]>,
+    pub intensity: Option<[f64; 3]>,
+    pub irradiance: Option<[f64; 3]>,
+    /// Missing: without a limit.
+    pub range: Option<f64>,
+    pub inner_degrees: Option<f64>,
+    pub outer_degrees: Option<f64>,
+    /// Missing: no disc.
+    pub angular_diameter_degrees: Option<f64>,
 }
 
 #[derive(Deserialize)]

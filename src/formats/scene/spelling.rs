@@ -72,7 +72,7 @@ const SYNONYMS: [(&str, &[&str]); 28] = [
 
 /// Other programs' keys, and what octray has in their place.
 const INSTEAD: [(&str, &str); 8] = [
-    ("lights lamps ambient", "materials with `emission` are the lights, and `sky`"),
+    ("lamps ambient", "`lights`, materials with `emission`, and `sky` are the light"),
     ("world", "`spheres`, `triangles` and `meshes` hold the objects, `sky` is the light around them"),
     (
         "quad quads box boxes cube plane planes rectangle disk cylinder",

@@ -6,19 +6,22 @@ use super::check::{bring_near, is_within_bounds};
 use super::error::{MAX_FAULTS, SceneError};
 use super::faults::read_all;
 use super::files::Files;
+use super::glass::note_glass_in_glass;
 use super::json::{JsonPath, Source};
+use super::light::light;
 use super::material;
 use super::mesh::Unusable;
 use super::model::{self, Model};
 use super::native::{
-    FORMAT, MeshFile, PortalFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT,
+    FORMAT, LightUnitsFile, MeshFile, PortalFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT,
 };
 use super::placement::Placement;
 use super::portal::portal;
 use super::spelling::nearest;
 use glam::{DVec3, Vec3};
-use octray_engine::scene::{Coordinates, MAX_COORDINATE, MaterialKind, Scene, Side, Sky, Sphere};
+use octray_engine::scene::{Camera, Coordinates, LightUnits, MAX_COORDINATE, Scene, Side, Sky, Sphere};
 use std::collections::HashMap;
+use std::path::Path;
 use std::rc::Rc;
 
 /// Field of view in degrees below which rounding relative to the camera shows in the picture.
@@ -26,8 +29,6 @@ const NARROW: f64 = 1.0;
 /// Least size that coordinates are chosen for, relative to the distance from the origin to the scene's end.
 /// The end is then at 1/16 of the largest coordinate.
 const LEAST_SIZE: f64 = 16.0 / MAX_COORDINATE;
-/// Most spheres of glass that are compared with each other.
-const MOST_NESTED: usize = 1_000;
 
 /// Reads a native scene text. The error has all faults of keys and types, and the first other fault of each
 /// part.
@@ -48,7 +49,9 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     let max_bounces = faults.record(root.key("max_bounces").bounces(max_bounces))?;
 
     faults.record(file.origin.map_or(Ok(Vec3::ZERO), |origin| root.key("origin").vec3(origin)))?;
-    let mut loader = Loader { builder: SceneBuilder::new(files), is_mended, ..Loader::default() };
+    let seeks_camera = file.camera.is_none();
+    let mut loader =
+        Loader { builder: SceneBuilder::new(files), is_mended, seeks_camera, ..Loader::default() };
     set_coordinates(&file, &mut loader.builder);
     for entry in &file.materials.0 {
         let place = root.key("materials");
@@ -71,7 +74,11 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
     for (i, portal) in file.portals.iter().enumerate() {
         faults.record(loader.add_portal(portal, &root.key("portals").item(i)))?;
     }
-    let mut builder = loader.builder;
+    for (i, one) in file.lights.iter().enumerate() {
+        let light = light(one, &root.key("lights").item(i), &loader.builder.scene.coordinates);
+        loader.builder.scene.lights.extend(faults.record(light.map(Some))?);
+    }
+    let (mut builder, own_camera) = (loader.builder, loader.camera);
     let sky = match &file.sky {
         Some(sky) => faults.record(material::sky(&mut builder, sky, &root.key("sky")).map(Some))?,
         None => None,
@@ -81,8 +88,12 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
         return Err(faults.all().unwrap_or(root.error("the scene holds nothing to see", mend)));
     }
     let camera_file = file.camera.unwrap_or_default();
-    let camera = camera(&root.key("camera"), &camera_file, &builder.scene, None);
-    let camera = faults.record(camera.map(Some))?;
+    let camera = match own_camera {
+        Some((camera, _)) => Some(camera),
+        None => faults.record(camera(&root.key("camera"), &camera_file, &builder.scene, None).map(Some))?,
+    };
+    let own_resolution = own_camera.and_then(|(_, aspect)| aspect).map(model::resolution);
+    let resolution = file.resolution.or(own_resolution).unwrap_or(resolution);
     let Some(camera) = camera.filter(|_| faults.0.is_empty()) else {
         return Err(faults.all().expect("without a fault there is a camera"));
     };
@@ -132,43 +143,6 @@ fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
     size.into_iter().for_each(|size| builder.set_coordinates(Coordinates::around(origin, size)));
 }
 
-/// Notes spheres of glass directly inside others whose `ior` is surely a mistake: as every `ior` is relative
-/// to vacuum, 1 has no effect, and that of the outer sphere refracts again.
-fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
-    let SceneBuilder { scene, notes, .. } = builder;
-    let ior_of = |sphere: &Sphere| match scene.materials[sphere.material as usize].kind {
-        MaterialKind::Glass { ior } => Some(ior),
-        _ => None,
-    };
-    let glass = scene.spheres.iter().enumerate().filter(|(_, sphere)| ior_of(sphere).is_some());
-    let glass: Vec<_> = glass.take(MOST_NESTED).collect();
-    for &(index, sphere) in &glass {
-        let is_around = |outer: &&Sphere| {
-            let larger = outer.radius - sphere.radius;
-            larger > 0.0 && outer.center.distance(sphere.center) <= larger
-        };
-        let is_in_glass = glass.iter().any(|(_, outer)| is_around(outer));
-        // The sphere around may be of any material. An opaque one hides the glass in it.
-        let around = scene.spheres.iter().filter(|outer| is_in_glass && is_around(outer));
-        let around = around.min_by(|a, b| a.radius.total_cmp(&b.radius));
-        let (Some(ior), Some(outer)) = (ior_of(sphere), around.and_then(ior_of)) else { continue };
-        let material = &scene.materials[sphere.material as usize];
-        let is_clear = material.color == Vec3::ONE && material.textures().next().is_none();
-        let why = match ior {
-            _ if outer <= 1.0 => continue,
-            1.0 if is_clear && !material.emits() => "is invisible",
-            _ if ior == outer => "refracts once more",
-            _ => continue,
-        };
-        let what = format!(
-            "glass of `ior` {ior} inside glass of {outer} {why}, as each `ior` is relative to vacuum: for air inside, \
-             write `ior` {:.3} (1 / {outer})",
-            outer.recip()
-        );
-        notes.add(&place.item(index), what);
-    }
-}
-
 /// The faults found so far.
 struct Faults(Vec<SceneError>);
 
@@ -205,6 +179,10 @@ struct Loader<'a> {
     copies: usize,
     /// Whether parts of the file, perhaps its materials, were left out because of faults.
     is_mended: bool,
+    /// Whether the scene takes the first camera of a model.
+    seeks_camera: bool,
+    /// That camera, and the aspect ratio that it names.
+    camera: Option<(Camera, Option<f64>)>,
 }
 
 impl<'a> Loader<'a> {
@@ -281,6 +259,27 @@ impl<'a> Loader<'a> {
         Ok(())
     }
 
+    /// Adds the lights of a mesh's model, and takes its camera if the scene seeks one.
+    fn take_along(
+        &mut self,
+        file: &MeshFile,
+        model: &Model,
+        path: &Path,
+        placement: &Placement,
+    ) -> Result<(), SceneError> {
+        if file.lights != Some(false) {
+            let units = file.light_units.map(|units| match units {
+                LightUnitsFile::Radiometric => LightUnits::Radiometric,
+                LightUnitsFile::Blender => LightUnits::Blender,
+            });
+            model.add_lights(path, &mut self.builder, placement, units)?;
+        }
+        if file.camera != Some(false) && self.seeks_camera && self.camera.is_none() {
+            self.camera = model.camera(path, &mut self.builder, placement)?;
+        }
+        Ok(())
+    }
+
     fn add_mesh(&mut self, file: &'a MeshFile, place: &JsonPath) -> Result<(), SceneError> {
         // Too many copies are refused already, and no more are made.
         if self.copies > MAX_COPIES {
@@ -336,6 +335,9 @@ impl<'a> Loader<'a> {
         }
         let added = model.add(&path, &mut self.builder, material, &placement);
         file.smooth.into_iter().for_each(|degrees| self.builder.smooth(degrees));
+        if added.is_ok() {
+            self.take_along(file, &model, &path, &placement)?;
+        }
         let uses = self.uses[name.as_str()];
         if uses > 1 && !is_copy {
             self.models.insert(name, model);

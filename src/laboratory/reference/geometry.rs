@@ -2,7 +2,7 @@
 //! accurate single precision is there.
 
 use super::texture;
-use crate::scene::{Camera, Material, Scene, Side, Sky};
+use crate::scene::{Camera, LightShape, Material, Scene, Side, Sky};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -13,6 +13,7 @@ const BOUND: f64 = 40.0 / 16_777_216.0;
 pub struct Reference {
     pub(super) camera: Camera,
     pub(super) sky: Sky,
+    pub(super) lights: Vec<LightShape>,
     pub(super) materials: Vec<Material>,
     textures: Vec<texture::Levels>,
     spheres: Vec<Sphere>,
@@ -26,6 +27,7 @@ impl Reference {
         Self {
             camera: scene.camera,
             sky: scene.sky,
+            lights: scene.lights.iter().map(|light| light.shape).collect(),
             materials: scene.materials.clone(),
             textures: scene.textures.iter().map(texture::Levels::new).collect(),
             spheres,

@@ -13,6 +13,9 @@ pub(super) struct Event<'a> {
     pub normals: &'a Normals,
     /// The random number of a dimension.
     pub number: &'a dyn Fn(u32) -> f64,
+    /// A direction to evaluate in place of a sampled one: layered lobes then return the BSDF times the cosine
+    /// as the weight.
+    pub given: Option<DVec3>,
 }
 
 /// The scattered direction, the path's weight, colour included, and whether the lobe is a delta lobe.
@@ -21,7 +24,7 @@ type Scattered = (DVec3, DVec3, bool);
 /// How the light of an event is scattered; `None` where it is absorbed. `rougher` multiplies the material's
 /// roughness.
 pub(super) fn sample(kind: MaterialKind, rougher: f64, color: DVec3, event: Event) -> Option<Scattered> {
-    let Event { d, normals, number } = event;
+    let Event { d, normals, number, .. } = event;
     let alpha = |roughness: f32| (f64::from(roughness) * rougher).powi(2);
     let Normals { ng, ns_specular: n, ns_diffuse, horizon, outside, .. } = *normals;
     let mut is_delta = false;
@@ -103,11 +106,11 @@ pub(super) struct Normals {
     /// Geometric normal.
     pub ng: DVec3,
     /// Shading normal for all but diffuse lobes: it faces the ray.
-    ns_specular: DVec3,
+    pub ns_specular: DVec3,
     /// Shading normal for diffuse lobes.
     pub ns_diffuse: DVec3,
     /// Reflected light stays above its plane, but for delta lobes: the interpolated normal, or `ng`.
-    horizon: DVec3,
+    pub horizon: DVec3,
     /// Whether the shading normals differ from the geometric one.
     has_ns: bool,
     /// Whether the ray arrives from the side to which the unflipped geometric normal points.
@@ -132,13 +135,13 @@ impl Normals {
 
     /// The directions in which a specular lobe may send light for it to leave along `w`: `w`, and what is
     /// mirrored in the horizon.
-    fn images(&self, w: DVec3) -> Vec<DVec3> {
+    pub fn images(&self, w: DVec3) -> Vec<DVec3> {
         if self.has_ns { vec![w, reflect(w, self.horizon)] } else { vec![w] }
     }
 
     /// The weight of a diffuse lobe's light from `w`, `None` below the horizon: see "diffuse lobes" at the
     /// head of `kernel/normals.rs`.
-    fn fade(&self, w: DVec3) -> Option<f64> {
+    pub fn fade(&self, w: DVec3) -> Option<f64> {
         let height = w.dot(self.horizon);
         let added = w.dot(self.ns_diffuse) - self.ns_diffuse.dot(self.horizon) * height;
         if !self.has_ns {
@@ -170,8 +173,8 @@ pub(super) fn width(kind: MaterialKind, rougher: f64) -> f64 {
 }
 
 /// Narrower lobes count as delta lobes; the reason stands in `kernel::bsdf`.
-const NARROWEST_ALPHA: f64 = 1.0 / 8192.0;
-const NARROWEST_CONE: f64 = 1.0 / 64.0;
+pub(super) const NARROWEST_ALPHA: f64 = 1.0 / 8192.0;
+pub(super) const NARROWEST_CONE: f64 = 1.0 / 64.0;
 
 /// Fresnel reflectance from outside at a cosine, without total reflection.
 fn reflected(ior: f64, cos: f64) -> f64 {
@@ -223,7 +226,7 @@ fn metal_rough(color: DVec3, [alpha, f0, metallic]: [f64; 3], event: Event) -> O
 
 /// E of white GGX at a cosine and the mean cosine at its facets: the fits of the model, at the head of
 /// `kernel/bsdf/albedo.rs`.
-fn albedo(cos: f64, a: f64) -> (f64, f64) {
+pub(super) fn albedo(cos: f64, a: f64) -> (f64, f64) {
     let mu = cos.clamp(1e-6, 1.0);
     let s = (mu * mu + a * a * (1.0 - mu * mu)).sqrt();
     let (c, sigma) = (mu / s, a * (1.0 - mu * mu).sqrt() / s);
@@ -244,7 +247,7 @@ fn albedo(cos: f64, a: f64) -> (f64, f64) {
 /// `on_specular`, over a Lambert base of the reflectance `base` at the cosine of the sampled direction: the
 /// sum, divided by the pdf with which the estimator samples.
 fn ggx_over_lambert(
-    Event { d, normals, number }: Event,
+    Event { d, normals, number, given }: Event,
     alpha: f64,
     on_specular: f64,
     fresnel: impl Fn(f64) -> DVec3,
@@ -252,7 +255,9 @@ fn ggx_over_lambert(
 ) -> Option<Scattered> {
     let Normals { ng, ns_specular: n, ns_diffuse, horizon, .. } = *normals;
     let (smooth, out) = (alpha < NARROWEST_ALPHA, to_local(-d, n));
-    let towards = if number(LOBE) < on_specular {
+    let towards = if let Some(given) = given {
+        given
+    } else if number(LOBE) < on_specular {
         let (local, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
         if local.z <= 0.0 {
             return None;
@@ -272,16 +277,26 @@ fn ggx_over_lambert(
     let mut pdf = (1.0 - on_specular) * cosine / PI;
     for image in normals.images(towards).into_iter().map(|image| to_local(image, n)) {
         if !smooth && image.z > 0.0 {
-            let half = (image + out).normalize();
-            let [lambda_out, lambda_in] = [out, image].map(|w| lambda(w, alpha));
-            let slope = half.z * half.z * (alpha * alpha - 1.0) + 1.0;
-            let distribution = alpha * alpha / (PI * slope * slope);
-            let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
-            value += fresnel(half.dot(out)) * visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in);
+            let (visible, reflected) = facets(out, image, alpha);
+            value += fresnel((image + out).normalize().dot(out)) * reflected;
             pdf += on_specular * visible;
         }
     }
+    if given.is_some() {
+        return Some((towards, value, false));
+    }
     (pdf > 0.0).then(|| (towards, value / pdf, false))
+}
+
+/// The density of the directions `image` in which visible GGX facets reflect `out`, both in the frame of the
+/// normal, and the BSDF times the cosine at a reflectance of 1.
+pub(super) fn facets(out: DVec3, image: DVec3, alpha: f64) -> (f64, f64) {
+    let half = (image + out).normalize();
+    let [lambda_out, lambda_in] = [out, image].map(|w| lambda(w, alpha));
+    let slope = half.z * half.z * (alpha * alpha - 1.0) + 1.0;
+    let distribution = alpha * alpha / (PI * slope * slope);
+    let visible = distribution / (4.0 * out.z * (1.0 + lambda_out));
+    (visible, visible * (1.0 + lambda_out) / (1.0 + lambda_out + lambda_in))
 }
 
 /// A point on the unit sphere, uniformly.
@@ -291,7 +306,7 @@ fn on_sphere(number: impl Fn(u32) -> f64) -> DVec3 {
     DVec3::new(radius * phi.cos(), radius * phi.sin(), 1.0 - 2.0 * u)
 }
 
-fn reflect(d: DVec3, n: DVec3) -> DVec3 {
+pub(super) fn reflect(d: DVec3, n: DVec3) -> DVec3 {
     d - n * (2.0 * d.dot(n))
 }
 
@@ -341,7 +356,7 @@ fn to_world(local: DVec3, n: DVec3) -> DVec3 {
     tangent * local.x + bitangent * local.y + n * local.z
 }
 
-fn to_local(world: DVec3, n: DVec3) -> DVec3 {
+pub(super) fn to_local(world: DVec3, n: DVec3) -> DVec3 {
     let (tangent, bitangent) = basis(n);
     DVec3::new(world.dot(tangent), world.dot(bitangent), world.dot(n))
 }

@@ -24,17 +24,18 @@
 //! | 3. point, normals and textures at x′ | `geometry`, `texture` | shade: `surface.rs`, `material.rs` |
 //! | 4. β Lₑ joins the radiance | | shade: `emission.rs` |
 //! | 5. ω′, by *importance sampling* of the BSDF; β · f \|cos θ′\| / p; the next ray | `lobes` | shade: `bsdf.rs` |
-//! | – a light is sampled and tested: *next event estimation* | not here | shadow rays: `shadow_rays.rs` |
+//! | – a light is sampled and tested: *next event estimation* | `lights` | shadow rays: `shadow_rays.rs` |
 //! | 6. the mean over samples | [`Reference::pixel`] | finish: `film` |
 //!
-//! Here a path finds lights by scattering alone: the simplest estimator is the judge. The engine samples
-//! lights too, and weighs the two techniques by *multiple importance sampling* with the power heuristic
-//! (Veach, Guibas, SIGGRAPH 1995): other noise, the same mean. Paths end after `max_bounces` events, and not
+//! Here a path finds lights by scattering alone: the simplest estimator is the judge. Points, spots and
+//! directional lights without a disc, which no ray hits, add up at every vertex. The engine samples lights,
+//! and weighs the two techniques by *multiple importance sampling* with the power heuristic (Veach, Guibas,
+//! SIGGRAPH 1995): other noise, the same mean. Paths end after `max_bounces` events, and not
 //! before by *Russian roulette*. `octray inspect SCENE --pixel X,Y` prints a path, of this file and of the
 //! engine, on the same random numbers.
 
 use super::geometry::{Reference, Surface};
-use super::{lobes, texture};
+use super::{lobes, texture, values};
 use crate::path_vertex::{PathVertex, lobe};
 use crate::sampling::dimension::{PIXEL, bounce};
 use crate::sampling::{PixelCoordinates, SampleValues, Sampler};
@@ -103,7 +104,7 @@ impl Reference {
             // 2. The nearest hit.
             let vertex = PathVertex { throughput: throughput.into(), ..PathVertex::default() };
             let Some(hit) = self.closest(origin, direction) else {
-                let emitted = throughput * self.sky(direction, cone_angle);
+                let emitted = throughput * (self.sky(direction, cone_angle) + self.suns(direction));
                 radiance += emitted;
                 vertices.push(PathVertex { emitted: emitted.into(), radiance: radiance.into(), ..vertex });
                 break;
@@ -138,7 +139,17 @@ impl Reference {
             }
             // 5. The scattered ray.
             let color = material.color.as_dvec3() * texel;
-            let event = lobes::Event { d: direction, normals: &normals, number: &numbers(bounce(b)) };
+            let event =
+                lobes::Event { d: direction, normals: &normals, number: &numbers(bounce(b)), given: None };
+            let bulge = surface.bulge[usize::from(normals.ng != surface.ng)];
+            if !self.lights.is_empty() {
+                let from = surface.point + bulge + normals.ng * (ORIGIN_OFFSET * surface.scale);
+                let light =
+                    self.direct(from, |w| values::value(kind, roughness, color, event, w)) * throughput;
+                radiance += light;
+                let vertex = &mut vertices[b as usize];
+                (vertex.light, vertex.radiance) = (Some(light.into()), radiance.into());
+            }
             let sample = lobes::sample(kind, roughness, color, event);
             let sample = sample.filter(|(_, weight, _)| throughput * *weight != DVec3::ZERO);
             let Some((scattered, weight, is_delta)) = sample else {
@@ -152,8 +163,7 @@ impl Reference {
             direction = scattered.normalize();
             vertices[b as usize].lobe = Some(lobe(is_delta, direction.dot(normals.ns_diffuse)));
             let side = 1.0_f64.copysign(direction.dot(normals.ng));
-            let bulge =
-                if is_delta { DVec3::ZERO } else { surface.bulge[usize::from(normals.ng != surface.ng)] };
+            let bulge = if is_delta { DVec3::ZERO } else { bulge };
             origin = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
         }
         vertices

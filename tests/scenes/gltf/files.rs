@@ -51,7 +51,7 @@ fn what_is_left_out_is_said_with_its_place() {
     let animation = json!([{ "channels": [], "samplers": [] }]);
     for (path, value, place, what) in [
         ("animations", animation, "animations[0]", "not played"),
-        ("nodes/0/extensions", light, "nodes[0].extensions.KHR_lights_punctual", "light comes from"),
+        ("nodes/0/extensions", light, "nodes[0]", "there is no valid light 0"),
         ("extensions", variants, "extensions.KHR_materials_variants", "left out"),
         ("cameras", cameras, "cameras", "several cameras"),
         ("materials/0/occlusionTexture", json!({ "index": 0 }), "materials[0].occlusionTexture", "occlusion"),

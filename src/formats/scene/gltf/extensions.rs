@@ -5,8 +5,9 @@ use super::super::notes::Notes;
 use serde_json::Value;
 
 /// Extensions that are read.
-pub const READ: [&str; 8] = [
+pub const READ: [&str; 9] = [
     "EXT_texture_webp",
+    "KHR_lights_punctual",
     "KHR_materials_ior",
     "KHR_materials_emissive_strength",
     "KHR_materials_transmission",
@@ -56,7 +57,6 @@ fn visit(place: &JsonPath, value: &Value, notes: &mut Notes) {
 
 fn text(name: &str) -> String {
     let more = match name {
-        "KHR_lights_punctual" => ": light comes from emissive surfaces and the sky",
         name if COMPRESSIONS.contains(&name) => ": the uncompressed copy is shown, if there is one",
         _ => "",
     };

@@ -11,6 +11,7 @@ mod accessor;
 mod bytes;
 mod extensions;
 mod geometry;
+mod light;
 mod material;
 mod nodes;
 mod schema;
@@ -197,19 +198,22 @@ impl Gltf {
         &self,
         path: &Path,
         builder: &mut SceneBuilder,
+        placement: &Placement,
     ) -> Result<Option<(Camera, Option<f64>)>, SceneError> {
         let Some((index, transform)) = self.nodes.camera else { return Ok(None) };
         let document = self.document(path);
         let user = document.source.root();
         let camera = document.get(&self.root.cameras, "cameras", index, &user.key("nodes"))?;
         let (lower, upper) = builder.scene.bounds();
-        let position = builder.scene.coordinates.to_scene(transform.w_axis.truncate());
+        let position = placement.point(transform.w_axis.truncate());
+        let position = builder.scene.coordinates.to_scene(position);
         let mut framed = |why: &str| {
             builder.warn(format!("{}: cameras[{index}] {why}: the model is framed instead.", path.display()));
             Ok(None)
         };
         let Some(perspective) = &camera.perspective else { return framed("is no perspective camera") };
-        let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(|axis| (transform * axis).truncate());
+        let rotated = |axis: DVec4| placement.rotation * (transform * axis).truncate();
+        let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(rotated);
         // The point is as far away as the model, which sets the viewer's distances.
         let distance = (((lower + upper) / 2.0 - position).length()).max(1e-3 * position.length()).max(1e-6);
         let camera = Camera {

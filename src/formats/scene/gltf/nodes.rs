@@ -3,7 +3,7 @@
 use super::super::error::SceneError;
 use super::super::notes::Notes;
 use super::bytes::{Document, broken};
-use super::schema::Node;
+use super::schema::{Lenient, Node, NodeLight};
 use glam::{DMat4, DQuat, DVec3};
 
 /// The meshes and the camera of a scene's nodes, in the coordinates of the file.
@@ -15,6 +15,8 @@ pub struct Placed {
     pub portals: Vec<(usize, usize, DMat4)>,
     /// Index of the first camera, and its transform.
     pub camera: Option<(usize, DMat4)>,
+    /// Index of each node with a light, the index of the light, and its transform.
+    pub lights: Vec<(usize, usize, DMat4)>,
     /// Indices of the nodes with a skin.
     skinned: Vec<usize>,
 }
@@ -64,6 +66,9 @@ pub fn place(document: &Document) -> Result<Placed, SceneError> {
         }
         if let Some(camera) = node.camera {
             placed.camera.get_or_insert((camera.0, transform));
+        }
+        if let Some(Lenient(Some(NodeLight { light }))) = &node.extensions.light {
+            placed.lights.push((index, light.0, transform));
         }
         open.extend(node.children.iter().flatten().rev().map(|child| (child.0, transform)));
     }

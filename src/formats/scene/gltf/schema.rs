@@ -78,16 +78,22 @@ optional! {
         nodes: List<Node>, cameras: List<Camera>, meshes: List<Mesh>, accessors: List<Accessor>,
         buffer_views: List<View>, buffers: List<Buffer>, materials: List<Material>, textures: List<Texture>,
         images: List<Image>, samplers: List<Sampler>, animations: List<IgnoredAny>,
+        extensions: RootExtensions,
     }
-    Asset { version: Option<String>, min_version: Option<String> }
+    Asset { version: Option<String>, min_version: Option<String>, generator: Lenient<String> }
     Scene { nodes: Option<Vec<Whole>> }
     Node {
         children: Option<Vec<Whole>>, mesh: Option<Whole>, camera: Option<Whole>, skin: Option<IgnoredAny>,
-        matrix: Option<[f64; 16]>,
+        matrix: Option<[f64; 16]>, extensions: NodeExtensions,
         rotation: Option<[f64; 4]>, scale: Option<[f64; 3]>, translation: Option<[f64; 3]>,
         extras: Lenient<Extras>,
     }
     Extras { portal: bool }
+    NodeExtensions { #[serde(rename = "KHR_lights_punctual")] light: Option<Lenient<NodeLight>> }
+    RootExtensions { #[serde(rename = "KHR_lights_punctual")] lights: Lenient<Lights> }
+    Lights { lights: List<Light> }
+    // Angles are in radians, from the light's axis.
+    Spot { inner_cone_angle: Option<f64>, outer_cone_angle: Option<f64> }
     Camera { perspective: Option<Perspective> }
     Image { uri: Option<String>, buffer_view: Option<Whole> }
     Texture { source: Option<Whole>, sampler: Option<Whole>, extensions: ImageExtensions }
@@ -128,6 +134,11 @@ objects! {
         // In radians.
         rotation: f64,
         scale: Option<[f64; 2]>, tex_coord: Option<Whole>,
+    }
+    NodeLight { light: Whole }
+    Light {
+        #[serde(rename = "type")] kind: String, color: Option<[f64; 3]>, intensity: Option<f64>, range: Option<f64>,
+        #[serde(default)] spot: Spot,
     }
     Perspective { yfov: f64, aspect_ratio: Option<f64> }
     Mesh { primitives: Vec<Primitive> }

@@ -7,7 +7,7 @@
 //! finite or that differ between widths, on a view that changes when it is written.
 
 use octray_engine::adaptive;
-use octray_engine::camera::Pinhole;
+use octray_engine::camera::PreparedCamera;
 use octray_engine::film::Film;
 use octray_engine::lane::WIDTHS;
 use octray_engine::render::Methods;
@@ -180,7 +180,7 @@ fn fly(view: &View) {
         let frame = first + (u64::from(last - first) * part / 7) as u32;
         let camera = view.path.camera_at(frame).expect("the frame is on the path");
         if camera.fault().is_none() {
-            Pinhole::new(&camera, [4, 3]);
+            PreparedCamera::new(&camera, [4, 3]);
         }
     }
 }

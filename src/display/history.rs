@@ -16,9 +16,10 @@
 //! 5. In the sky, history is clamped to the 3×3 neighbourhood of the new frame: the sky has no noise, but at
 //!    the edge of a light its pixels hold some of the light's radiance, which would leave a trail.
 //!
-//! Sharp reflections do not move with the surface: there the cap is lower. Clamping the history to the new
-//! neighbourhood (variance clipping) was tried there as well: with one sample a pixel, noise determines the
-//! neighbourhood, and no scene had a smaller error.
+//! Sharp reflections do not move with the surface: there the cap is lower. It is lower everywhere if the
+//! camera has a lens: the history moves as seen from the middle of the lens, and blurred light does not.
+//! Clamping the history to the new neighbourhood (variance clipping) was tried on mirrors as well: with one
+//! sample a pixel, noise determines the neighbourhood, and no scene had a smaller error.
 //!
 //! Sources: Nehab, Sander, Lawrence, Tatarchuk, Isidoro, "Accelerating Real-Time Shading with Reverse
 //! Reprojection Caching", Graphics Hardware 2007; the disocclusion test and the sample counts are as in
@@ -26,7 +27,7 @@
 
 use super::rows;
 use glam::{Vec3A, Vec4};
-use octray_engine::camera::Pinhole;
+use octray_engine::camera::PreparedCamera;
 use octray_engine::film::Picture;
 use octray_engine::integrate::aovs::{Aovs, Plane};
 use octray_engine::lane::{F32x8, Lane, Mask, lane_indices};
@@ -69,7 +70,7 @@ struct HistoryPixel {
 #[derive(Clone, Debug, Default)]
 pub struct History {
     /// Camera and resolution of the previous frame, if there is one.
-    previous: Option<(Pinhole, [u32; 2])>,
+    previous: Option<(PreparedCamera, [u32; 2])>,
     buffer: Vec<HistoryPixel>,
     /// Those of the current frame.
     next: Vec<HistoryPixel>,
@@ -101,7 +102,13 @@ impl History {
     ///
     /// # Panics
     /// If picture and AOVs differ in size.
-    pub fn reproject(&mut self, fresh: &Picture, samples: u32, aovs: &Aovs, camera: &Pinhole) -> &Picture {
+    pub fn reproject(
+        &mut self,
+        fresh: &Picture,
+        samples: u32,
+        aovs: &Aovs,
+        camera: &PreparedCamera,
+    ) -> &Picture {
         let size = [fresh.width, fresh.height];
         assert_eq!(size, aovs.resolution(), "picture and AOVs differ in size");
         self.store_static();
@@ -187,12 +194,12 @@ struct Frame<'a> {
     fresh: &'a Picture,
     samples: f32,
     aovs: &'a Aovs,
-    camera: &'a Pinhole,
+    camera: &'a PreparedCamera,
 }
 
 /// The previous frame.
 struct PreviousFrame<'a> {
-    camera: &'a Pinhole,
+    camera: &'a PreparedCamera,
     size: [u32; 2],
     buffer: &'a [HistoryPixel],
 }
@@ -212,7 +219,7 @@ impl Frame<'_> {
             let surface = distance.is_finite();
             let point = Vec3::select(surface, ray.at(distance), ray.direction);
             let place = before.map(|before| {
-                let from = point - before.camera.origin();
+                let from = point - Vec3::splat(before.camera.position());
                 before.camera.project(Vec3::select(surface, from, ray.direction))
             });
             for (lane, entry) in buffer.iter_mut().enumerate() {
@@ -228,13 +235,14 @@ impl Frame<'_> {
                 if ahead.bitmask() >> lane & 1 == 0 {
                     continue;
                 }
-                let max_distance = MAX_PLANE_DISTANCE * self.camera.pixel_size() * distances[x];
+                let max_distance = MAX_PLANE_DISTANCE * self.camera.pixel_size_at(distances[x]);
                 if let Some(known) = before.sample([u.get(lane), v.get(lane)], entry, max_distance) {
                     let (mut color, samples) = split(known);
                     if objects[x] == MISS {
                         color = self.clamp_to_neighbourhood(color, [x, y]);
                     }
-                    let most = MAX_SAMPLES.min(MAX_SAMPLES_ON_MIRRORS + 2.0 * MAX_SAMPLES * lobes[x]);
+                    let lobe = if self.camera.has_lens() { 0.0 } else { lobes[x] };
+                    let most = MAX_SAMPLES.min(MAX_SAMPLES_ON_MIRRORS + 2.0 * MAX_SAMPLES * lobe);
                     let kept = samples.min(most);
                     let color = blend(color, kept, fresh, self.samples);
                     entry.value = Vec3A::from_array(color).extend(kept + self.samples);

@@ -52,7 +52,7 @@ pub fn warnings(renderer: &mut Renderer, scene: &Scene, film: &Film, tone: Optio
 /// Returns the likeliest reason for a picture without any light. `more` bounces would bring some.
 fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>) -> String {
     let bounces = renderer.settings().max_bounces;
-    let camera = renderer.camera().origin::<f32>().get(0);
+    let camera = renderer.camera().position();
     let is_around = |sphere: &Sphere| {
         let material = &scene.materials[sphere.material as usize];
         let is_glass = matches!(material.kind, MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. });

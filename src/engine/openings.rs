@@ -5,7 +5,7 @@
 //! those cross small parts of the faces of the box around the room. Rooms whose walls are not parallel to the
 //! axes are not recognised.
 
-use crate::camera::Pinhole;
+use crate::camera::PreparedCamera;
 use crate::lights::EnvironmentLight;
 use crate::math::{MISS, portable};
 use crate::rays::{Hits, Rays, Structure, Tracer};
@@ -35,7 +35,7 @@ pub fn advice(scene: &Scene, structure: &Structure) -> Option<String> {
     if scene.sky.is_black() || !scene.portals.is_empty() {
         return None;
     }
-    let camera = Pinhole::new(&scene.camera, scene.resolution);
+    let camera = PreparedCamera::new(&scene.camera, scene.resolution);
     let [across, down] = PRIMARY;
     let [width, height] = scene.resolution.map(|side| side as f32);
     let primary: Vec<(Vec3, Vec3)> = (0..across * down)

@@ -1,5 +1,6 @@
 //! The report of `octray inspect`: what a scene contains and how it is rendered, as text or as JSON.
 
+use super::camera::{CameraReport, vector};
 use super::methods::{DefaultReport, HierarchyReport, TraversalReport};
 use super::punctual;
 use super::settings::{as_options, json};
@@ -16,7 +17,6 @@ use crate::wording::{counted, grouped};
 use glam::Vec3;
 use indicatif::DecimalBytes;
 use serde::{Serialize, Serializer};
-use std::fmt::Display;
 
 #[derive(Debug, Serialize)]
 pub struct Inspection {
@@ -94,15 +94,6 @@ struct LightReport {
     portals: usize,
 }
 
-/// The camera, its points in the coordinates of the file.
-#[derive(Debug, Serialize)]
-struct CameraReport {
-    position: [f64; 3],
-    look_at: [f64; 3],
-    up: [f32; 3],
-    vertical_fov: f32,
-}
-
 /// Points in the coordinates of the file.
 #[derive(Debug, Serialize)]
 struct Bounds {
@@ -141,12 +132,7 @@ impl Inspection {
             sky: SkyReport::of(scene),
             origin: scene.coordinates.origin.into(),
             unit: scene.coordinates.unit,
-            camera: CameraReport {
-                position: in_file(scene.camera.position),
-                look_at: in_file(scene.camera.look_at),
-                up: scene.camera.up.into(),
-                vertical_fov: scene.camera.vertical_fov,
-            },
+            camera: CameraReport::of(scene),
             bounds: (scene.primitives() > 0).then(|| scene.bounds()).map(|(lower, upper)| Bounds {
                 lower: in_file(lower.as_vec3()),
                 upper: in_file(upper.as_vec3()),
@@ -193,8 +179,7 @@ impl Inspection {
             ("materials", materials_text(&self.materials)),
         ]);
         lines.extend(self.textures.iter().map(|texture| ("texture", texture.text())));
-        let CameraReport { position, look_at, vertical_fov, .. } = self.camera;
-        let [position, look_at, origin] = [position, look_at, self.origin].map(vector);
+        let origin = vector(self.origin);
         let bounds = match self.bounds {
             Some(Bounds { lower, upper }) => format!("{} to {}", vector(lower), vector(upper)),
             None => "none: the scene is sky alone".into(),
@@ -202,7 +187,7 @@ impl Inspection {
         let unit = if self.unit == 1.0 { String::new() } else { format!(", in units of {:e}", self.unit) };
         lines.extend([
             ("sky", self.sky.text()),
-            ("camera", format!("at {position} towards {look_at}, vertical field of view {vertical_fov}°")),
+            ("camera", self.camera.text()),
             ("bounds", bounds),
             ("origin", format!("{origin}: coordinates are rounded relative to it{unit}")),
             ("needs", self.needs.join(", ")),
@@ -367,8 +352,4 @@ fn memory(scene: &Scene) -> usize {
     let Scene { spheres, triangles, uvs, normals, materials, .. } = scene;
     let vertices = size_of_val(&triangles[..]) + size_of_val(&uvs[..]) + size_of_val(&normals[..]);
     texels + vertices + size_of_val(&spheres[..]) + size_of_val(&materials[..])
-}
-
-pub fn vector<T: Display>([x, y, z]: [T; 3]) -> String {
-    format!("({x}, {y}, {z})")
 }

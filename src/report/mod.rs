@@ -2,6 +2,7 @@
 
 pub(crate) mod baseline;
 pub(crate) mod bench;
+pub(crate) mod camera;
 pub(crate) mod chart;
 pub(crate) mod chart_drawings;
 pub(crate) mod chart_kernels;

@@ -1,6 +1,6 @@
 //! Lights that are no primitives, for `octray inspect`: kind, place, brightness and units as text.
 
-use super::inspection::vector;
+use super::camera::vector;
 use crate::scene::{Coordinates, LightShape, LightUnits, PunctualLight, point_in_file};
 use glam::Vec3;
 

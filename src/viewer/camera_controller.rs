@@ -1,7 +1,7 @@
-//! Moves, turns and zooms the camera by keys and mouse.
+//! Moves, turns, zooms and focuses the camera by keys and mouse.
 
 use glam::{DQuat, DVec3};
-use octray_formats::scene::{Camera, Coordinates, Scene};
+use octray_formats::scene::{Camera, Coordinates, Lens, Projection, Scene, VERTICAL_FOV};
 use std::collections::BTreeSet;
 
 /// Turning speed of a held arrow key, in radians per second.
@@ -16,6 +16,12 @@ const MAX_PITCH: f64 = 89.0 * std::f64::consts::PI / 180.0;
 const FOV_RANGE: [f32; 2] = [1.0, 150.0];
 /// Factor of the image plane's width per step of zooming.
 const FOV_STEP: f64 = 0.9;
+
+/// Bounds of an open aperture's radius, relative to half the height of the focal plane: with the least one,
+/// the picture of a point at infinity is 1/128 of the picture high.
+const APERTURE_RANGE: [f64; 2] = [1.0 / 128.0, 1.0];
+/// Factor of the radius per stop, so that twice as much light passes.
+const STOP: f64 = std::f64::consts::SQRT_2;
 
 /// A motion that lasts while a key is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,6 +56,8 @@ pub struct CameraController {
     yaw: f64,
     /// Radians above the horizontal.
     pitch: f64,
+    /// The lens of an orthographic camera when it becomes perspective again.
+    lens: Lens,
 }
 
 impl CameraController {
@@ -63,7 +71,8 @@ impl CameraController {
         let level = sight - up * sight.dot(up);
         let forward = level.try_normalize().unwrap_or_else(|| up.any_orthonormal_vector());
         let pitch = sight.dot(up).clamp(-1.0, 1.0).asin();
-        Self { home, coordinates, camera: home, position, up, forward, yaw: 0.0, pitch }
+        let lens = home.lens();
+        Self { home, coordinates, camera: home, position, up, forward, yaw: 0.0, pitch, lens }
     }
     pub fn camera(&self) -> &Camera {
         &self.camera
@@ -118,11 +127,56 @@ impl CameraController {
         }
     }
 
-    /// Narrows the field of view by `steps`; negative steps widen it.
+    /// Narrows the picture by `steps`; negative steps widen it.
     pub fn zoom_by(&mut self, steps: f64) {
+        if let Projection::Orthographic { height } = &mut self.camera.projection {
+            *height = (f64::from(*height) * FOV_STEP.powf(steps)).clamp(1e-12, 1e12) as f32;
+            return;
+        }
         let half = f64::from(self.camera.vertical_fov).to_radians() / 2.0;
         let half = (half.tan() * FOV_STEP.powf(steps)).atan();
         self.camera.vertical_fov = ((2.0 * half).to_degrees() as f32).clamp(FOV_RANGE[0], FOV_RANGE[1]);
+    }
+
+    /// Opens the aperture by `stops`; negative ones close it, in the end to a pinhole.
+    pub fn open_by(&mut self, stops: f64) {
+        let focus = self.camera.focus();
+        let most = focus * self.camera.half_height();
+        if let Projection::Perspective(lens) = &mut self.camera.projection {
+            let [least, most] = APERTURE_RANGE.map(|share| share * most);
+            let radius = f64::from(lens.radius);
+            let opened = if radius == 0.0 { least } else { (radius * STOP.powf(stops)).min(most) };
+            let closes = stops < 0.0 && (radius == 0.0 || opened < 0.99 * least);
+            lens.radius = if closes { 0.0 } else { opened as f32 };
+            // So that a view of a scene with a lens names the closed aperture.
+            lens.focus.get_or_insert(focus as f32);
+        }
+    }
+
+    /// Focuses a perspective camera on a distance.
+    pub fn focus_at(&mut self, distance: f32) {
+        if let Projection::Perspective(lens) = &mut self.camera.projection {
+            lens.focus = Some(distance);
+        }
+    }
+
+    /// Switches between perspective and orthographic; the picture of the focal plane has the same size.
+    pub fn switch_projection(&mut self) {
+        match self.camera.projection {
+            Projection::Perspective(lens) => {
+                let (focus, half_height) = (self.camera.focus(), self.camera.half_height());
+                self.lens = Lens { focus: Some(focus as f32), ..lens };
+                let height = (2.0 * focus * half_height) as f32;
+                self.camera.projection = Projection::Orthographic { height };
+                self.camera.vertical_fov = VERTICAL_FOV;
+            }
+            Projection::Orthographic { height } => {
+                self.camera.projection = Projection::Perspective(self.lens);
+                let half = (f64::from(height) / 2.0 / self.camera.focus()).atan();
+                self.camera.vertical_fov =
+                    ((2.0 * half).to_degrees() as f32).clamp(FOV_RANGE[0], FOV_RANGE[1]);
+            }
+        }
     }
 
     /// Returns the factor of the turning speed: 1 at a field of view of 90° and above, less at narrower ones.
@@ -138,6 +192,13 @@ impl CameraController {
         }
         let (forward, up) = self.forward_and_up();
         let sight = forward * self.pitch.cos() + up * self.pitch.sin();
+        // The focal plane stays where it is when `look_at` moves along the line of sight.
+        let focus = self.camera.focus() as f32;
+        if let Projection::Perspective(lens) = &mut self.camera.projection
+            && lens.radius > 0.0
+        {
+            lens.focus.get_or_insert(focus);
+        }
         self.camera.position = self.position.as_vec3();
         // At this distance, single precision resolves the direction to 1e-7 rad.
         let own = f64::from(self.home.look_at.distance(self.home.position));
@@ -157,7 +218,7 @@ mod tests {
 
     fn home() -> Camera {
         let [position, look_at] = [3.0, -7.0].map(|z| Vec3::new(1.0, 2.0, z));
-        Camera { position, look_at, up: Vec3::Y, vertical_fov: 40.0 }
+        Camera::pinhole(position, look_at, Vec3::Y, 40.0)
     }
     fn held(motions: &[Motion]) -> BTreeSet<Motion> {
         motions.iter().copied().collect()
@@ -230,7 +291,7 @@ mod tests {
     fn up_is_the_scenes_up_wherever_that_is() {
         for up in [Vec3::NEG_Y, Vec3::Z, Vec3::new(0.3, 1.0, -0.2)] {
             let sight = up.any_orthonormal_vector();
-            let home = Camera { position: Vec3::ZERO, look_at: sight, up, vertical_fov: 60.0 };
+            let home = Camera::pinhole(Vec3::ZERO, sight, up, 60.0);
             let mut controller = controller(home);
             controller.advance(&held(&[Motion::Up]), 1.0, 1.0);
             assert!(controller.camera().position.distance(up.normalize()) < 1e-6);
@@ -248,6 +309,30 @@ mod tests {
         assert!((sight.y - 1.0).abs() < 1e-3 && sight.y < 1.0);
         controller.advance(&held(&[Motion::Forward]), 1.0, 1.0);
         assert!((controller.camera().position.y - home().position.y).abs() < 1e-6);
+    }
+
+    #[test]
+    fn aperture_opens_and_closes_by_stops_and_projections_show_the_focal_plane_alike() {
+        let mut controller = controller(home());
+        controller.focus_at(4.0);
+        controller.open_by(-1.0);
+        assert_eq!(controller.camera().lens().radius, 0.0);
+        let radii = [1.0, 1.0, -1.0, -1.0].map(|stops| {
+            controller.open_by(stops);
+            controller.camera().lens().radius
+        });
+        assert!(radii[0] > 0.0 && (radii[1] / radii[0]).powi(2) - 2.0 < 1e-6 && radii[3] == 0.0, "{radii:?}");
+        assert!((radii[2] / radii[0] - 1.0).abs() < 1e-6, "{radii:?}");
+        controller.open_by(1.0);
+        let before = *controller.camera();
+        controller.switch_projection();
+        let Projection::Orthographic { height } = controller.camera().projection else { panic!() };
+        assert!((f64::from(height) - 8.0 * before.half_height()).abs() < 1e-6, "{height}");
+        controller.zoom_by(1.0);
+        controller.advance(&held(&[Motion::TurnLeft]), 0.1, 1.0);
+        controller.switch_projection();
+        assert_eq!(controller.camera().lens(), before.lens());
+        assert!((controller.camera().half_height() / before.half_height() - FOV_STEP).abs() < 1e-6);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::camera_controller::Motion;
 use super::controls::{Controls, Filter, cycle};
 use super::display_mode::DisplayMode;
 use super::playlist::Playlist;
-use Action::{Hold, Scene, Step, Switch, Zoom};
+use Action::{Hold, Open, Scene, Step, Switch, Zoom};
 use Key::Char;
 use crossterm::event::ModifierKeyCode::{LeftControl, LeftShift};
 use octray_engine::tone::Operator;
@@ -22,6 +22,12 @@ pub(crate) enum Action {
     Step(fn(&mut Controls)),
     /// Narrows the field of view by steps, again and again while the key is down.
     Zoom(f64),
+    /// Opens the aperture by stops, again and again while the key is down.
+    Open(f64),
+    /// Focuses on what is in the middle of the picture.
+    Focus,
+    /// Switches between perspective and orthographic.
+    Project,
     /// Changes a setting once.
     Switch(fn(&mut Controls)),
     /// Resets the camera to the scene's.
@@ -48,6 +54,10 @@ const TABLE: &[(&[Key], Action)] = &[
     (&[Key::Modifier(LeftControl)], Hold(Motion::Fast)),
     (&[Char('+'), Char('=')], Zoom(1.0)),
     (&[Char('-')], Zoom(-1.0)),
+    (&[Char('y')], Open(-1.0)),
+    (&[Char('u')], Open(1.0)),
+    (&[Char('b')], Action::Focus),
+    (&[Key::End], Action::Project),
     (&[Key::Home], Action::Home),
     (&[Key::PageDown, Char('.')], Scene(Playlist::next)),
     (&[Key::PageUp, Char(',')], Scene(Playlist::previous)),

@@ -3,7 +3,7 @@
 use super::camera_controller::CameraController;
 use super::display_mode::{encode, rgb};
 use glam::{DVec2, DVec3};
-use octray_formats::scene::{Camera, MaterialKind, Primitive, Scene};
+use octray_formats::scene::{Camera, MaterialKind, Primitive, Projection, Scene};
 
 /// Side of the minimap in pixels.
 const SIDE: u32 = 160;
@@ -119,11 +119,14 @@ impl Minimap {
         let here = here.clamp(DVec2::splat(2.0), DVec2::splat(edge));
         let sight = camera.look_at.as_dvec3() - camera.position.as_dvec3();
         let way = DVec2::new(sight.dot(self.right), sight.dot(self.down)).normalize_or_zero();
-        let half = ((f64::from(camera.vertical_fov).to_radians() / 2.0).tan() * aspect).atan();
+        let half = camera.half_height() * aspect;
         for side in [-half, half] {
-            let edge = DVec2::from_angle(side).rotate(way);
+            let (from, edge) = match camera.projection {
+                Projection::Perspective(_) => (here, DVec2::from_angle(side.atan()).rotate(way)),
+                Projection::Orthographic { .. } => (here + way.perp() * side * self.scale, way),
+            };
             for step in 0..40 {
-                dot(pixels, here + edge * f64::from(step) * 0.7, HERE);
+                dot(pixels, from + edge * f64::from(step) * 0.7, HERE);
             }
         }
         for x in -1..=1 {
@@ -181,7 +184,7 @@ mod tests {
     fn balls(centers: [[f32; 3]; 2]) -> Scene {
         let mut scene = load("builtin:three").unwrap();
         let [position, look_at] = [10.0, 0.0].map(|z| Vec3::new(0.0, 1.0, z));
-        scene.camera = Camera { position, look_at, up: Vec3::Y, vertical_fov: 40.0 };
+        scene.camera = Camera::pinhole(position, look_at, Vec3::Y, 40.0);
         scene.triangles.clear();
         scene.spheres.truncate(2);
         for (number, (sphere, center)) in scene.spheres.iter_mut().zip(centers).enumerate() {

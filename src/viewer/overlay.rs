@@ -5,6 +5,7 @@ use super::display_mode::DisplayMode;
 use super::painter::FrameInput;
 use super::state::State;
 use octray_engine::lights::LightChoice;
+use octray_engine::scene::Projection;
 use octray_formats::wording::{counted, grouped};
 use std::fmt::Write;
 use std::time::{Duration, Instant};
@@ -80,6 +81,16 @@ fn write(text: &mut String, input: &FrameInput, state: &State, busy: bool) -> st
     let samples = counted(accumulation.film.samples(), "sample", "samples");
     let bounces = counted(settings.max_bounces, "bounce", "bounces");
     write!(text, "\n{width}×{height} · {samples} · {bounces}")?;
+    let camera = &accumulation.pose.camera;
+    match camera.projection {
+        Projection::Orthographic { .. } => write!(text, " · orthographic")?,
+        Projection::Perspective(lens) if lens.radius > 0.0 => {
+            let unit = scene.coordinates.unit;
+            let f_number = camera.f_number_or_radius(f64::from(lens.radius) * unit);
+            write!(text, " · f/{f_number:.3}, focus {:.3}", camera.focus() * unit)?;
+        }
+        Projection::Perspective(_) => {}
+    }
     if let Some(target) = controls.target {
         write!(text, " · holds {target} fps")?;
     }

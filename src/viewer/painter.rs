@@ -70,6 +70,13 @@ impl Painter {
         walking_speed(self.aovs.get(|aovs| renderer.aovs_into(aovs))).into()
     }
 
+    /// Returns the distance of what the middle of the last frame shows; infinite if that is nothing.
+    pub fn distance_in_the_middle(&mut self, renderer: &Renderer) -> f32 {
+        let aovs = self.aovs.get(|aovs| renderer.aovs_into(aovs));
+        let [x, y] = aovs.resolution().map(|side| side / 2);
+        aovs.pixel(x, y).distance
+    }
+
     /// Fills the frame's pixels and its minimap.
     pub fn paint(&mut self, input: &FrameInput, frame: &mut Frame) {
         let FrameInput { renderer, scene, accumulation, controls } = *input;

@@ -157,7 +157,7 @@ impl RenderLoop {
         let mut chosen = None;
         loop {
             self.exchange.notified.store(false, Release);
-            if self.handle_events() {
+            if self.handle_events(renderer) {
                 if self.screenshot_requested {
                     self.take_screenshot(renderer);
                 }
@@ -215,7 +215,7 @@ impl RenderLoop {
     }
 
     /// Handles pending events; returns true on quit.
-    fn handle_events(&mut self) -> bool {
+    fn handle_events(&mut self, renderer: &Renderer) -> bool {
         while let Ok((event, at)) = self.events.try_recv() {
             if !matches!(event, Event::Rate(_)) {
                 self.oldest_unshown_event.get_or_insert(at);
@@ -223,6 +223,10 @@ impl RenderLoop {
             match self.state.handle(&event, at) {
                 Some(Effect::Quit) => return true,
                 Some(Effect::Screenshot) => self.screenshot_requested = true,
+                Some(Effect::Focus) => match self.painter.distance_in_the_middle(renderer) {
+                    distance if distance.is_finite() => self.state.camera_controller.focus_at(distance),
+                    _ => self.message = Some(("nothing is in the middle".into(), Instant::now())),
+                },
                 Some(Effect::Load) => {
                     self.switch_requested = (!self.state.shows_current()).then_some(at);
                     self.load();

@@ -42,6 +42,8 @@ pub enum Event {
 pub(crate) enum Effect {
     /// Load the playlist's current scene.
     Load,
+    /// Focus on what is in the middle of the picture.
+    Focus,
     Screenshot,
     Quit,
 }
@@ -167,9 +169,12 @@ impl State {
             _ if !down => {}
             Action::Step(change) => change(&mut self.controls),
             Action::Zoom(steps) => self.camera_controller.zoom_by(steps),
+            Action::Open(stops) => self.camera_controller.open_by(stops),
             _ if repeat => {}
             Action::Switch(change) => change(&mut self.controls),
             Action::Home => self.camera_controller.reset(),
+            Action::Project => self.camera_controller.switch_projection(),
+            Action::Focus => return Some(Effect::Focus),
             Action::ReleaseMouse => self.mouse_captured = false,
             Action::Screenshot => return Some(Effect::Screenshot),
             Action::Reload => return Some(Effect::Load),

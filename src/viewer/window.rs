@@ -296,6 +296,7 @@ fn key_of(physical: PhysicalKey, logical: &winit::keyboard::Key) -> Option<Key> 
         NamedKey::PageUp => Key::PageUp,
         NamedKey::PageDown => Key::PageDown,
         NamedKey::Home => Key::Home,
+        NamedKey::End => Key::End,
         NamedKey::F1 => Key::F(1),
         NamedKey::F5 => Key::F(5),
         _ => return None,

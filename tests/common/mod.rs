@@ -35,7 +35,7 @@ pub use octray::measure::stability::rays::ray;
 pub fn empty() -> Scene {
     Scene {
         name: "test".into(),
-        camera: Camera { position: Vec3::Z * 5.0, look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 40.0 },
+        camera: Camera::pinhole(Vec3::Z * 5.0, Vec3::ZERO, Vec3::Y, 40.0),
         resolution: [24, 16],
         max_bounces: 4,
         sky: Sky::Color(Vec3::ONE),
@@ -54,7 +54,7 @@ pub fn diffuse() -> Scene {
 
 /// Upright.
 pub fn camera(position: Vec3, look_at: Vec3, vertical_fov: f32) -> Camera {
-    Camera { position, look_at, up: Vec3::Y, vertical_fov }
+    Camera::pinhole(position, look_at, Vec3::Y, vertical_fov)
 }
 
 /// Every kind of material that scatters, rough and smooth.
@@ -101,7 +101,7 @@ pub fn ground(size: f32, y: f32) -> [Vec3; 3] {
 /// A floor that fills the picture, seen from straight above at `height`, near `foot`, and dark otherwise.
 pub fn floor(foot: Vec3, height: f32) -> Scene {
     Scene {
-        camera: Camera { position: foot + Vec3::Y * height, look_at: foot, up: Vec3::Z, vertical_fov: 0.5 },
+        camera: Camera::pinhole(foot + Vec3::Y * height, foot, Vec3::Z, 0.5),
         resolution: [8, 8],
         max_bounces: 1,
         sky: Sky::Color(Vec3::ZERO),

@@ -169,7 +169,7 @@ fn grazed_mirror() -> Scene {
         [point(2.0 * far, -3.0 * far, -0.4), point(2.0 * far, 3.0 * far, -0.4), point(2.0 * far, 0.0, -far)];
     let position = point(0.0, 0.0, 1e-3);
     Scene {
-        camera: Camera { position, look_at: position + along * 100.0, up: above, vertical_fov: 5e-5 },
+        camera: Camera::pinhole(position, position + along * 100.0, above, 5e-5),
         materials,
         triangles: vec![triangle(mirror, 0), triangle(light, 1)],
         ..empty()

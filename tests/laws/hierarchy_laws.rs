@@ -130,7 +130,7 @@ fn ways_that_are_measured_agree_and_a_hit_at_the_reach_is_none() {
         Accelerators::new(&scene.geometry(), octray::rays::Structure::tree_for_all(&scene.geometry()));
     let mut rng = Rng(17);
     let pixels: Vec<[u32; 2]> = (0..48 * 32).map(|i| [i % 48, i / 48]).collect();
-    let camera = octray::camera::Pinhole::new(&scene.camera, [48, 32]);
+    let camera = octray::camera::PreparedCamera::new(&scene.camera, [48, 32]);
     let mut set = RaySet::primary(&camera, &pixels);
     let pool = TracePool::new(1);
     let traced = |set: &RaySet, way: TraversalChoice| {

@@ -4,7 +4,7 @@
 use crate::common::*;
 use glam::Quat;
 use octray::buffers::Buffers;
-use octray::camera::{Pinhole, Tile};
+use octray::camera::{PreparedCamera, Tile};
 use octray::integrate::{Scratch, TraceContext, pipeline_for};
 use octray::primitives::{PrimitiveTables, SampledAs};
 use octray::scene::MAX_BOUNCES;
@@ -42,7 +42,7 @@ fn departure(scene: &Scene, max_bounces: u32, lanes: usize) -> f64 {
         primitives: PrimitiveTables::new(scene, |_| SampledAs::Nothing),
         lights: Lights::default(),
         structure: Methods::default().structure(scene, &scene.geometry(), 8, &Lights::default(), None),
-        camera: Pinhole::new(&scene.camera, [16, 16]),
+        camera: PreparedCamera::new(&scene.camera, [16, 16]),
         visible: Vec::new(),
         width: 16,
         max_bounces,

@@ -16,6 +16,7 @@ mod common;
 mod architecture;
 mod beyond;
 mod bvh_laws;
+mod cameras;
 mod choosing;
 mod determinism;
 mod frustum_edges;

@@ -176,7 +176,7 @@ fn every_traversal_leaves_out_the_same() {
         let mut scene = room(&mut Rng::of("occluders", [seed, 1]));
         let at = scene.triangles[0].vertices[0];
         let middle = (at + scene.triangles[11].vertices[2]) * 0.5;
-        scene.camera = Camera { position: middle, look_at: at, up: vec3(0.1, 1.0, 0.2), vertical_fov: 60.0 };
+        scene.camera = Camera::pinhole(middle, at, vec3(0.1, 1.0, 0.2), 60.0);
         scene
     });
     // A surface behind a floor, and so close that it counts as on it, is lit through the floor.
@@ -189,7 +189,7 @@ fn every_traversal_leaves_out_the_same() {
         below.triangles.extend(quad(corner, [DVec3::X * side, DVec3::Z * side], material));
     }
     let (position, look_at) = (Vec3::NEG_Y * 5e-5, Vec3::NEG_Y * 1e-4);
-    below.camera = Camera { position, look_at, up: Vec3::Z, vertical_fov: 40.0 };
+    below.camera = Camera::pinhole(position, look_at, Vec3::Z, 40.0);
     assert_eq!(listed(&below), Some([vec![], vec![]]));
     let mut last_is_lit = false;
     for scene in rooms.chain([cornell, below]) {

@@ -162,12 +162,12 @@ fn camera(rng: &mut Rng, scene: &Scene, center: DVec3, size: f64) -> Camera {
             }
             _ => center + direction(rng) * size * rng.scale(1e-2, 30.0),
         };
-        let aimed = Camera {
-            position: position.as_vec3(),
-            look_at: target.as_vec3(),
-            up: direction(rng).as_vec3(),
-            vertical_fov: of(rng, &[40.0, 70.0, 1e-3, 179.0]),
-        };
+        let aimed = Camera::pinhole(
+            position.as_vec3(),
+            target.as_vec3(),
+            direction(rng).as_vec3(),
+            of(rng, &[40.0, 70.0, 1e-3, 179.0]),
+        );
         if aimed.fault().is_none() {
             return aimed;
         }

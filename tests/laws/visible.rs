@@ -2,7 +2,7 @@
 
 use crate::common::rays::Set;
 use crate::common::*;
-use octray::camera::Pinhole;
+use octray::camera::PreparedCamera;
 use octray::math::ViewFrustum;
 use octray::rays::{Candidates, Kind};
 use octray::sampling::random::mix_bits;
@@ -30,7 +30,7 @@ fn scene(seed: u32, camera: Camera) -> Scene {
 }
 
 /// Primary rays to corners, edges and inner points of a tile's pixels.
-fn primary_rays(camera: &Pinhole, [x, y]: [u32; 2]) -> Set {
+fn primary_rays(camera: &PreparedCamera, [x, y]: [u32; 2]) -> Set {
     let steps = [0.0, 0.5, 1.0, 3.25, 4.0, 6.75, 7.0, 8.0];
     let points = steps.iter().flat_map(|dy| steps.map(|dx| (x as f32 + dx, y as f32 + dy)));
     Set::of(&points.map(|(x, y)| camera.rays(x, y)).collect::<Vec<_>>())
@@ -51,10 +51,10 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
     for (seed, (position, towards, vertical_fov)) in
         (1..=12).flat_map(|seed| cameras.map(|camera| (seed, camera)))
     {
-        let camera = Camera { position, look_at: position + towards, up: vec3(0.1, 1.0, 0.2), vertical_fov };
+        let camera = Camera::pinhole(position, position + towards, vec3(0.1, 1.0, 0.2), vertical_fov);
         let scene = scene(seed, camera);
         let list = List::new(&scene.geometry());
-        let camera = Pinhole::new(&scene.camera, RESOLUTION);
+        let camera = PreparedCamera::new(&scene.camera, RESOLUTION);
         for (y, x) in
             (0..RESOLUTION[1]).step_by(8).flat_map(|y| (0..RESOLUTION[0]).step_by(8).map(move |x| (y, x)))
         {
@@ -76,7 +76,7 @@ fn visible_gives_the_hits_of_testing_everything_bit_for_bit() {
 }
 
 /// Primary rays through the four edges of a tile, as rounding leaves them.
-fn edge_rays(camera: &Pinhole, [x, y]: [u32; 2]) -> [Vec<Ray<f32>>; 4] {
+fn edge_rays(camera: &PreparedCamera, [x, y]: [u32; 2]) -> [Vec<Ray<f32>>; 4] {
     let (left, top, side) = (x as f32, y as f32, TILE as f32);
     let edge = |from: [f32; 2], step: [f32; 2]| {
         let steps = (0..=64).map(|i| i as f32 / 64.0 * side);
@@ -99,7 +99,7 @@ fn edges_are_kept(view: Camera, resolution: [u32; 2], corner: [u32; 2]) -> [usiz
     // a rounding or so).
     const AWAY: f32 = 8.0;
     const SPECK: f32 = 1e-7;
-    let camera = Pinhole::new(&view, resolution);
+    let camera = PreparedCamera::new(&view, resolution);
     let edges = edge_rays(&camera, corner);
     let point = |ray: &Ray<f32>| ray.at(AWAY).get(0);
     let middle = camera.rays(corner[0] as f32 + TILE as f32 / 2.0, corner[1] as f32 + TILE as f32 / 2.0);
@@ -132,7 +132,7 @@ fn views(vertical_fov: f32) -> impl Iterator<Item = Camera> {
     let mut rng = Rng(71);
     (0..8).map(move |_| {
         let look_at = rng.direction().as_vec3();
-        Camera { position: Vec3::ZERO, look_at, up: rng.direction().as_vec3(), vertical_fov }
+        Camera::pinhole(Vec3::ZERO, look_at, rng.direction().as_vec3(), vertical_fov)
     })
 }
 
@@ -190,6 +190,6 @@ fn visible_keeps_what_the_camera_stands_in_and_drops_what_is_behind() {
     let ball = |z: f32, radius: f32| sphere(Vec3::Z * z, radius, 0);
     scene.spheres = vec![ball(0.0, 100.0), ball(5.0, 1.0), ball(-5.0, 1.0), ball(5.0, 6.0)];
     scene.triangles.clear();
-    let frustum = Pinhole::new(&camera, RESOLUTION).view_frustum([28, 20], [TILE, TILE]);
+    let frustum = PreparedCamera::new(&camera, RESOLUTION).view_frustum([28, 20], [TILE, TILE]);
     assert_eq!(visible(&scene, &frustum).of_kind(Kind::Sphere), [0, 2, 3]);
 }

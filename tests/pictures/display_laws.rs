@@ -274,7 +274,7 @@ fn denoiser_filters_what_mirrors_and_glass_show() {
 #[test]
 fn denoiser_composes_pixels_at_edges_of_what_lies_on_both_sides() {
     let mut scene = two_sides([0.0, 0.0], [0.0, 0.0], [0, 1]);
-    let pixel = Renderer::new(&scene, Settings::of(&scene)).camera().pixel_size() * scene.camera.position.z;
+    let pixel = Renderer::new(&scene, Settings::of(&scene)).camera().pixel_size_at(scene.camera.position.z);
     let aside = Vec3::X * (0.01 + 0.55 * pixel);
     (scene.camera.position, scene.camera.look_at) =
         (scene.camera.position + aside, scene.camera.look_at + aside);

@@ -2,7 +2,7 @@
 //! camera that stands ends at its film.
 
 use crate::common::*;
-use octray::camera::Pinhole;
+use octray::camera::PreparedCamera;
 use octray::display::History;
 use octray::integrate::aovs::Aovs;
 
@@ -68,8 +68,8 @@ fn project_inverts_rays() {
         let [position, look_at] = [(); 2].map(|()| rng.in_cube().as_vec3() * 50.0);
         let mut number = |range: f64| (rng.signed() * range) as f32;
         let (up, vertical_fov) = (vec3(0.1, 1.0, -0.2), 70.0 + number(60.0));
-        let camera = Camera { position, look_at, up, vertical_fov };
-        let pinhole = Pinhole::new(&camera, [4_096, 2_160]);
+        let camera = Camera::pinhole(position, look_at, up, vertical_fov);
+        let pinhole = PreparedCamera::new(&camera, [4_096, 2_160]);
         let x = F32x8::from_fn(|_| 2_048.0 + number(2_048.0));
         let y = F32x8::from_fn(|_| 1_080.0 + number(1_080.0));
         let direction = pinhole.rays(x, y).direction;

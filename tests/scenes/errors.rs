@@ -135,7 +135,7 @@ fn words_of_other_programs_are_understood() {
         ("diffuse", "baseColor", "did you mean `color`?"),
         ("type", "lambertian", "did you mean `diffuse`?"),
         ("camera", "image_width", "did you mean `resolution` of the scene?"),
-        ("camera", "defocus_angle", "the camera is a pinhole"),
+        ("camera", "defocus_angle", "did you mean `aperture_radius`?"),
         ("scene", "samplesPerPixel", "octray render --samples N"),
         ("glass", "transmission", "`glass` lets light through"),
         ("sphere", "albedo", "an entry of `materials`"),
@@ -220,6 +220,17 @@ fn numbers_out_of_range_are_refused_with_their_range() {
         (r#""position": [1,2,3], "look_at": [1,2,3]"#, ".look_at, line 3", "so that the two differ"),
         (r#""position": [1,2,3], "look_at": [1,2,3.0000000000000001]"#, ".look_at", "single precision"),
         (r#""position": [0,5,0], "look_at": [0,0,0]"#, ".up", "give an `up`"),
+        (r#""aperture_radius": -1"#, ".aperture_radius, line 3, column 34", "0 is a pinhole"),
+        (r#""f_number": 0"#, ".f_number, line 3", "above 0, such as 2.8"),
+        (r#""f_number": 2, "aperture_radius": 1"#, ".f_number", "leave out one of them"),
+        (r#""focus_distance": 2"#, ".focus_distance", "add `aperture_radius`"),
+        (r#""f_number": 2, "focus_distance": 0"#, ".focus_distance", "a length above 0"),
+        (r#""f_number": 2, "focus_distance": 1, "focus_on": [0,0,0]"#, ".focus_on", "leave out one of them"),
+        (r#""f_number": 2, "position": [0,0,5], "focus_on": [0,0,6]"#, ".focus_on", "that the camera sees"),
+        (r#""f_number": 2, "blades": 2"#, ".blades", "3 to 16"),
+        (r#""orthographic_height": 0"#, ".orthographic_height", "above 0"),
+        (r#""orthographic_height": 2, "vertical_fov": 40"#, ".vertical_fov", "or `orthographic_height`"),
+        (r#""orthographic_height": 2, "f_number": 2"#, ".f_number", "or `orthographic_height`"),
     ];
     assert_refused(camera, "camera", &cases);
 }

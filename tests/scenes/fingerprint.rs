@@ -3,7 +3,8 @@
 use glam::{Vec2, Vec3};
 use octray::checkpoint::Fingerprint;
 use octray::scene::{
-    Filter, LightShape, Portal, PunctualLight, Scene, Side, Sky, Texels, Texture, Triangle, Wrap, load,
+    Filter, Lens, LightShape, Portal, Projection, PunctualLight, Scene, Side, Sky, Texels, Texture, Triangle,
+    Wrap, load,
 };
 
 fn light() -> PunctualLight {
@@ -31,10 +32,17 @@ fn each_change_of_a_scene_changes_one_checksum() {
     let sums = |scene: &Scene| serde_json::to_value(Fingerprint::from_scene(scene)).unwrap();
     let own = sums(&scene);
     type Change = fn(&mut Scene);
-    let changes: [(Change, &str); 19] = [
+    let changes: [(Change, &str); 21] = [
         (|scene| scene.name.push('x'), ""),
         (|scene| scene.resolution[0] += 1, ""),
         (|scene| scene.camera.position.x += 1e-3, "camera"),
+        (|scene| scene.camera.projection = Projection::Orthographic { height: 1.0 }, "camera"),
+        (
+            |scene| {
+                scene.camera.projection = Projection::Perspective(Lens { radius: 0.1, ..Lens::default() })
+            },
+            "camera",
+        ),
         (|scene| scene.sky = Sky::Color(Vec3::splat(0.123)), "sky"),
         (|scene| scene.portals.push(Portal { vertices: [Vec3::ZERO; 4] }), "sky"),
         (|scene| scene.materials[0].color.y *= 0.5, "materials"),

@@ -110,7 +110,7 @@ fn colours_are_linear_between_vertices() {
     // Seen from straight above under a white sky, each colour is that of its point.
     let [position, look_at] = [10.0, 0.0].map(|z| vec3(0.5, 0.5, z));
     let vertical_fov = 2.0 * 0.05_f32.atan().to_degrees();
-    scene.camera = Camera { position, look_at, up: Vec3::Y, vertical_fov };
+    scene.camera = Camera::pinhole(position, look_at, Vec3::Y, vertical_fov);
     scene.sky = Sky::Color(Vec3::ONE);
     let settings = Settings { resolution: [20, 20], max_bounces: 1, ..Settings::of(&scene) };
     let renderer = Renderer::new(&scene, settings);

@@ -7,7 +7,10 @@ use octray::lights::LightChoice;
 use octray::measure::stability::Rng;
 use octray::render::{PipelineChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use octray::sampling::Sampler;
-use octray::scene::{Camera, CameraPath, Keyframe, Loaded, Rendering, Scene, View, load, load_with_view};
+use octray::scene::{
+    Camera, CameraPath, Keyframe, Lens, Loaded, Projection, Rendering, Scene, VERTICAL_FOV, View, load,
+    load_with_view,
+};
 use octray::tone::Operator;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -74,12 +77,8 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
         let load_with = |more| folder.load("deep/view.json", view(&from_below, more)).unwrap();
         let scene = load_with(more);
         let place = |point: [f64; 3]| own.coordinates.to_scene(point.into()).as_vec3();
-        let camera = Camera {
-            position: place([3.3, 40.0, -5.0]),
-            look_at: place([0.1, 0.2, 0.3]),
-            up: vec3(0.0, 0.0, -2.0),
-            vertical_fov: 12.7,
-        };
+        let camera =
+            Camera::pinhole(place([3.3, 40.0, -5.0]), place([0.1, 0.2, 0.3]), vec3(0.0, 0.0, -2.0), 12.7);
         let expected = Scene { camera, resolution: [31, 17], max_bounces: 1023, ..own.scene.clone() };
         assert_eq!(looks(&scene), looks(&expected), "{base}");
 
@@ -94,7 +93,7 @@ fn view_changes_what_it_says_of_every_format_and_nothing_else() {
 
 /// The bits of all numbers of a view: equality would take −0 for 0.
 fn bits(view: &View) -> Vec<u32> {
-    let Camera { position, look_at, up, vertical_fov } = view.camera.unwrap();
+    let Camera { position, look_at, up, vertical_fov, .. } = view.camera.unwrap();
     let render = [view.render.exposure, view.render.clamp].map(Option::unwrap_or_default);
     let camera = [position, look_at, up].map(|v| v.to_array());
     camera.as_flattened().iter().chain(&[vertical_fov]).chain(&render).map(|x| x.to_bits()).collect()
@@ -133,7 +132,15 @@ fn written_views_read_back_in_every_bit() {
             assert_ne!(turn, 0);
             continue;
         }
-        let camera = Camera { position, look_at, up, vertical_fov };
+        let [radius, focus] = [point(), point()].map(|point| point.x.abs());
+        let projection = match turn % 3 {
+            1 if focus >= 1e-17 => Projection::Orthographic { height: focus },
+            2 if focus >= 1e-17 => Projection::Perspective(Lens { radius, focus: Some(focus), blades: 7 }),
+            _ => Projection::default(),
+        };
+        let is_parallel = matches!(projection, Projection::Orthographic { .. });
+        let vertical_fov = if is_parallel { VERTICAL_FOV } else { vertical_fov };
+        let camera = Camera { position, look_at, up, vertical_fov, projection };
         let keyframes = [3, u32::MAX].map(|frame| Keyframe { frame, camera }).to_vec();
         let view = View {
             scene: "builtin:knot:18".into(),
@@ -206,6 +213,12 @@ fn faults_in_a_view_name_their_place_and_a_remedy() {
         (r#""render": { "exposure": 1e99 }"#, "render.exposure, line 4", "finite"),
         (r#""resolution": [0, 9]"#, "resolution[0], line 4, column 18", "from 1 to 16384"),
         (r#""max_bounces": 1025"#, "max_bounces, line 4, column 18", "from 0 to 1024"),
+        (
+            r#""keyframes": [{ "frame": 1, "camera": {} }, { "frame": 2, "camera": { "orthographic_height": 1 } }]"#,
+            "keyframes[1].camera, line 4",
+            "or none",
+        ),
+        (r#""camera": { "blades": 5 }"#, "camera.blades, line 4", "add `aperture_radius`"),
         (r#""camera": { "vertical_fov": 180 }"#, "camera.vertical_fov, line 4, column 31", "below 180"),
         // The scene's own camera and the view's keys together make an impossible one.
         (r#""camera": { "up": [0.5, 0, -9] }"#, "camera.up, line 4, column 21", "parallel"),

@@ -1,5 +1,6 @@
 //! AOVs (arbitrary output variables): depth, normal, albedo and more of the surface at the centre of every
-//! pixel. The denoiser, temporal reprojection, and the viewer's views of the scene read them.
+//! pixel, as seen through the middle of the lens. The denoiser, temporal reprojection, and the viewer's views
+//! of the scene read them.
 
 use super::context::TraceContext;
 use super::emission::environment_radiance;
@@ -12,7 +13,7 @@ use super::stats::RayKind;
 use crate::buffers::{Features, MaterialCode};
 use crate::camera::MAX_PIXELS;
 use crate::lane::{Bits, F32x8, Lane, Mask, Mask8};
-use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::math::{Hit, MISS, Vec3};
 use crate::primitives::Surface;
 use crate::rays::Kind;
 
@@ -123,7 +124,7 @@ impl Aovs {
         &self.values[start..start + self.resolution[0] as usize]
     }
     /// Returns one plane of a row of pixels, to be changed.
-    pub(super) fn row_mut(&mut self, plane: Plane, y: u32) -> &mut [f32] {
+    pub(crate) fn row_mut(&mut self, plane: Plane, y: u32) -> &mut [f32] {
         let start = (y as usize * PLANES + plane as usize) * self.stride;
         &mut self.values[start..start + self.resolution[0] as usize]
     }
@@ -175,8 +176,7 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
 /// Returns the planes of the packet at `at`.
 fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
     let cone = context.primary_cone::<L, ALL>();
-    let ray = Ray { origin: context.camera.origin(), direction: scratch.queue.primary::<L>(at).0 };
-    let path = Path::primary(ray, B::splat(0), B::splat(0), cone);
+    let path = Path::primary(context.primary_ray(&scratch.queue, at), B::splat(0), B::splat(0), cone);
     Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at)).planes(context)
 }
 

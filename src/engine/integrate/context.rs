@@ -2,11 +2,11 @@
 
 use super::queue::{Path, PathQueue, QueueColumns};
 use crate::buffers::{Abilities, Buffers, Features};
-use crate::camera::Pinhole;
+use crate::camera::PreparedCamera;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Bits, Lane, lane_indices};
 use crate::lights::Lights;
-use crate::math::{Hit, Ray};
+use crate::math::{Hit, Ray, Vec3};
 use crate::primitives::{PrimitiveTables, Surface, SurfaceTables};
 use crate::rays::{Candidates, Structure};
 use crate::sampling::Sampler;
@@ -63,7 +63,7 @@ pub struct TraceContext {
     /// The scene in the form that intersection reads.
     pub structure: Structure,
     /// The camera.
-    pub camera: Pinhole,
+    pub camera: PreparedCamera,
     /// The primitives that the primary rays of each tile can hit, by [`crate::camera::Tile::number`]; empty
     /// if culling does not pay.
     pub visible: Vec<Candidates>,
@@ -102,18 +102,25 @@ impl TraceContext {
     /// Returns the cones of primary rays.
     #[inline(always)]
     pub fn primary_cone<L: Lane, const N: u64>(&self) -> Cone<L> {
-        if self.carries_cones::<N>() { Cone::of_pixel(self.camera.pixel_size()) } else { Cone::none() }
+        if self.carries_cones::<N>() { self.camera.cone() } else { Cone::none() }
     }
 
+    /// Returns the camera rays of the packet at `at`. The queue holds their origins unless they have one.
+    #[inline(always)]
+    pub fn primary_ray<L: Lane>(&self, queue: &PathQueue, at: usize) -> Ray<L> {
+        match self.camera.common_origin() {
+            Some(origin) => Ray { origin: Vec3::splat(origin), direction: queue.primary(at).0 },
+            None => queue.ray(at),
+        }
+    }
     /// Returns the paths of the packet at `at`. With `FIRST` they are at their first segment, of which the
-    /// queue holds only direction and key.
+    /// queue holds only the ray and the key.
     #[inline(always)]
     pub fn path<L: Lane, const N: u64, const FIRST: bool>(&self, queue: &PathQueue, at: usize) -> Path<L> {
         if !FIRST {
             return queue.path(at, self.columns::<N>());
         }
-        let (direction, key) = queue.primary(at);
-        let ray = Ray { origin: self.camera.origin(), direction };
+        let (ray, (_, key)) = (self.primary_ray(queue, at), queue.primary::<L>(at));
         let slot = lane_indices::<L>().wrapping_add(L::Bits::splat(queue.primary_slot(at)));
         Path::primary(ray, key, slot, self.primary_cone::<L, N>())
     }

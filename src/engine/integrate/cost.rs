@@ -37,7 +37,7 @@ pub(crate) fn render_row(
         for (at, cost) in pixels.iter_mut().enumerate() {
             let x = part * MAX_PIXELS + at;
             let visible = context.visible.get(first + x / tile_size[0] as usize);
-            let (rays, mut hits) = scratch.queue.queries(at..at + 1, Some(context.camera.position()));
+            let (rays, mut hits) = scratch.queue.queries(at..at + 1, context.camera.common_origin());
             scratch.tracer.closest_one_by_one(&context.structure, &rays.among(visible), &mut hits);
             *cost = scratch.tracer.take_counts().into();
         }

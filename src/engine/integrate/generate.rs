@@ -7,7 +7,7 @@ use super::context::TraceContext;
 use super::intersect::closest_of_queue;
 use super::scratch::Scratch;
 use super::stats::{RayKind, Stage};
-use crate::camera::{BLOCK, Pinhole, Tile};
+use crate::camera::{BLOCK, PreparedCamera, Tile};
 use crate::lane::{Bits, F32x8, F32x16, Lane, lane_indices};
 use crate::sampling::{PixelCoordinates, dimension};
 use std::ops::Range;
@@ -27,18 +27,26 @@ pub fn generate<L: Lane>(
     scratch.queue.begin_tile(number, first);
     scratch.values.begin(context.sampler, context.seed, sample, context.max_bounces);
     scratch.pixels.begin(tile);
-    camera_rays::<L>(context, sample, paths.clone(), scratch);
+    match context.camera.common_origin() {
+        Some(_) => camera_rays::<L, true>(context, sample, paths.clone(), scratch),
+        None => camera_rays::<L, false>(context, sample, paths.clone(), scratch),
+    }
     scratch.observer.begin(Some(Stage::Trace));
     closest_of_queue(context, visible, scratch, paths.clone(), RayKind::Primary);
     paths
 }
 
-/// Stores a ray through a random point of each of the tile's pixels.
+/// Stores a ray through a random point of each of the tile's pixels: of a `PINHOLE`, or of any camera.
 #[inline(always)]
-fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, paths: Range<usize>, scratch: &mut Scratch) {
+fn camera_rays<L: Lane, const PINHOLE: bool>(
+    context: &TraceContext,
+    sample: u32,
+    paths: Range<usize>,
+    scratch: &mut Scratch,
+) {
     let Scratch { queue, values, pixels, .. } = scratch;
     let numbers = values.pixel();
-    let camera: Pinhole = context.camera;
+    let camera: PreparedCamera = context.camera;
     let TraceContext { sampler, seed, width, .. } = *context;
     for at in paths.clone().step_by(L::WIDTH) {
         let places = pixels.places::<L>(at - paths.start);
@@ -57,13 +65,24 @@ fn camera_rays<L: Lane>(context: &TraceContext, sample: u32, paths: Range<usize>
             }
         };
         let key = sampler.key(seed, pixel, sample);
-        let (jitter_x, jitter_y) = numbers.at_pixels(key, places).get_2d(dimension::PIXEL);
-        let ray = camera.rays(x + jitter_x, y + jitter_y);
+        let numbers = numbers.at_pixels(key, places);
+        let (jitter_x, jitter_y) = numbers.get_2d(dimension::PIXEL);
+        let (x, y) = (x + jitter_x, y + jitter_y);
+        let ray = if PINHOLE {
+            camera.pinhole_rays(x, y)
+        } else {
+            let (u, v) = numbers.get_2d(dimension::LENS);
+            camera.sample_rays(x, y, u, v)
+        };
         queue.store_primary(at, ray.direction, key);
+        if !PINHOLE {
+            queue.store_origins(at, ray.origin);
+        }
     }
 }
 
-/// Fills the queue with rays through the centres of `count` pixels of a row, from (x, y) on.
+/// Fills the queue with rays through the centres of `count` pixels of a row, from (x, y) on, and through the
+/// middle of the lens.
 pub(super) fn pixel_centers(context: &TraceContext, [x, y]: [u32; 2], count: usize, scratch: &mut Scratch) {
     type L = F32x8;
     let y = L::splat(y as f32 + 0.5);
@@ -71,5 +90,6 @@ pub(super) fn pixel_centers(context: &TraceContext, [x, y]: [u32; 2], count: usi
         let x = L::from_int(lane_indices::<L>()) + L::splat((x as usize + at) as f32 + 0.5);
         let ray = context.camera.rays(x, y);
         scratch.queue.store_primary(at, ray.direction, <L as Lane>::Bits::splat(0));
+        scratch.queue.store_origins(at, ray.origin);
     }
 }

@@ -89,7 +89,7 @@ pub fn closest_of_queue(
     kind: RayKind,
 ) {
     let Scratch { queue, tracer, observer, .. } = scratch;
-    let origin = (kind == RayKind::Primary).then(|| context.camera.position());
+    let origin = context.camera.common_origin().filter(|_| kind == RayKind::Primary);
     let (rays, mut hits) = queue.queries(paths, origin);
     tracer.closest_in_scene(&context.structure, &rays.among(visible), &mut hits);
     observer.add_tests(kind, tracer);

@@ -7,7 +7,8 @@
 //! generate → ( intersect → shade → shadow rays )* → intersect → shade last
 //! ```
 //!
-//! - [`fn@generate`] creates primary rays and finds their hits.
+//! - [`fn@generate`] creates primary rays and finds their hits. Those of a pinhole have one origin, which the
+//!   queue does not hold; those of a lens and of an orthographic camera are traced like any other rays.
 //! - `intersect` finds the hits of rays of later segments. Under a sky, paths that miss end here.
 //! - Hits next to edges of triangles are corrected (`silhouettes`).
 //! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that continue, so that packets

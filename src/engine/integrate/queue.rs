@@ -168,11 +168,17 @@ impl PathQueue {
     pub fn primary<L: Lane>(&self, at: usize) -> (Vec3<L>, L::Bits) {
         (self.direction.load(at), L::Bits::load(&self.key[at..]))
     }
-    /// Stores camera rays at full throughput.
+    /// Stores camera rays at full throughput, which all have one origin unless
+    /// [`PathQueue::store_origins`] stores theirs.
     #[inline(always)]
     pub fn store_primary<L: Lane>(&mut self, at: usize, direction: Vec3<L>, key: L::Bits) {
         self.direction.store(at, direction);
         key.store(&mut self.key[at..]);
+    }
+    /// Stores the origins of camera rays.
+    #[inline(always)]
+    pub fn store_origins<L: Lane>(&mut self, at: usize, origin: Vec3<L>) {
+        self.origin.store(at, origin);
     }
     /// Stores paths.
     #[inline(always)]

@@ -44,11 +44,6 @@ impl<L: Lane> Cone<L> {
     pub fn none() -> Self {
         Self { width: L::zero(), angle: L::zero() }
     }
-    /// Returns the cone at the camera, half a pixel wide; `pixel_size` is the width of a pixel at distance 1.
-    #[inline(always)]
-    pub fn of_pixel(pixel_size: f32) -> Self {
-        Self { width: L::zero(), angle: L::splat(0.5 * pixel_size) }
-    }
     /// Returns the width at a distance.
     #[inline(always)]
     pub fn width_at(&self, t: L) -> L {

@@ -1,10 +1,10 @@
 //! Renders AOVs and heat maps: feature buffers of the scene, traversal cost, and path lengths, by pixel.
 
 use super::Renderer;
-use crate::camera::Tile;
+use crate::camera::{PreparedCamera, Tile};
 use crate::film::Film;
 use crate::integrate::aovs::{self, Aovs, Plane};
-use crate::integrate::edge_aovs::{self, DenoiserAovs, EdgeSample};
+use crate::integrate::edge_aovs::{self, DenoiserAovs, EdgePixel, EdgeSample};
 use crate::integrate::meter::PathShape;
 use crate::integrate::{Scratch, cost};
 use crate::math::MISS;
@@ -30,7 +30,7 @@ impl Renderer {
     /// | channels | what |
     /// |---|---|
     /// | `R`, `G`, `B` | the film |
-    /// | `albedo.R` to `.B`, `normal.X` to `.Z` | the denoiser's (`guides`): in mirrors and through glass, those of what is seen there; at edges the means of several points |
+    /// | `albedo.R` to `.B`, `normal.X` to `.Z` | the denoiser's (`guides`): in mirrors and through glass, those of what is seen there; at edges the means of several points; out of focus a white albedo |
     /// | `depth.Z`, `position.X` to `.Z` | at the pixel's centre: distance from the camera, and the point in the file's coordinates; infinite, and NaN, where nothing is seen |
     /// | `material.ID`, `object.ID` | at the pixel's centre: the material's index, and one number for each sphere and for all triangles of a material |
     /// | `samples.N` | the number of samples |
@@ -100,7 +100,8 @@ impl Renderer {
         self.each_row(rows, length, |y, row, scratch| aovs::render_row(&self.context, y, row, scratch));
     }
 
-    /// Computes the denoiser's AOVs; `first` are those of [`Renderer::aovs_into`] for the same camera.
+    /// Computes the denoiser's AOVs, through the middle of the lens; `first` are those of
+    /// [`Renderer::aovs_into`] for the same camera.
     ///
     /// # Panics
     /// If `first` has another resolution.
@@ -116,6 +117,7 @@ impl Renderer {
         self.each_row(edges, 1, |y, edges, scratch| {
             edge_aovs::edge_row(&self.context, centers, y, &mut edges[0], scratch);
         });
+        whiten_unfocused(&self.context.camera, aovs);
     }
 
     /// Computes the traversal cost of the ray through the centre of each pixel, traced by itself.
@@ -163,6 +165,37 @@ impl Renderer {
         match self.threads.is_single() {
             true => tiles.for_each(trace),
             false => self.threads.run(|| tiles.par_bridge().for_each(trace)),
+        }
+    }
+}
+
+/// The diameters in pixels of the circles of confusion at which surfaces begin and end to lose their albedo.
+const BLUR: [f32; 2] = [1.0, 9.0];
+
+/// Turns the albedo of pixels white, gradually, and their radiance unknown, if they are out of focus: the
+/// picture shows means over the lens, and the denoiser would draw the sharp texture over them.
+fn whiten_unfocused(camera: &PreparedCamera, aovs: &mut DenoiserAovs) {
+    if !camera.has_lens() {
+        return;
+    }
+    let DenoiserAovs { centers, edges } = aovs;
+    for (edges, y) in edges.iter_mut().zip(0..) {
+        let share = |&t: &f32| ((camera.blur_at(t) - BLUR[0]) / (BLUR[1] - BLUR[0])).clamp(0.0, 1.0);
+        let shares: Vec<f32> = centers.row(Plane::Distance, y).iter().map(share).collect();
+        for plane in [Plane::AlbedoRed, Plane::AlbedoGreen, Plane::AlbedoBlue, Plane::Scale] {
+            for (value, &share) in centers.row_mut(plane, y).iter_mut().zip(&shares) {
+                match plane {
+                    Plane::Scale if share > 0.0 => *value = value.min(0.0),
+                    Plane::Scale => {}
+                    _ => *value += (1.0 - *value) * share,
+                }
+            }
+        }
+        for EdgePixel { x, samples } in edges {
+            for sample in samples {
+                sample.albedo = sample.albedo.map(|value| value + (1.0 - value) * shares[*x as usize]);
+                sample.emits &= shares[*x as usize] == 0.0;
+            }
         }
     }
 }

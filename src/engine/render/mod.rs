@@ -8,7 +8,7 @@ pub use methods::{Methods, SphereChoice, TraversalChoice, TriangleChoice, featur
 pub use settings::{LaneChoice, PipelineChoice, Settings};
 
 use crate::buffers::{Buffers, Features};
-use crate::camera::{MAX_PIXELS, Pinhole, Tile};
+use crate::camera::{MAX_PIXELS, PreparedCamera, Tile};
 use crate::film::{Film, TileSums};
 use crate::integrate::stats::Stats;
 use crate::integrate::{MAX_TILES, Pipeline, Scratch, TraceContext, generate, pipeline_for, trace_path};
@@ -31,11 +31,16 @@ const MAX_CULLING_TESTS: usize = 4_000_000;
 const MAX_CULLED_MOVING: usize = 256;
 
 /// Finds the primitives that each tile's primary rays can hit; leaves `visible` empty if there are more
-/// primitives than [`MAX_CULLING_TESTS`] allows.
-fn find_visible(visible: &mut Vec<Candidates>, geometry: &Geometry, camera: &Pinhole, settings: &Settings) {
+/// primitives than [`MAX_CULLING_TESTS`] allows, or if the rays have several origins.
+fn find_visible(
+    visible: &mut Vec<Candidates>,
+    geometry: &Geometry,
+    camera: &PreparedCamera,
+    settings: &Settings,
+) {
     let tiles = || Tile::cover(settings.resolution, settings.tile_size);
     let (primitives, count) = (geometry.len(), tiles().count());
-    if primitives * count > MAX_CULLING_TESTS {
+    if primitives * count > MAX_CULLING_TESTS || camera.common_origin().is_none() {
         visible.clear();
         return;
     }
@@ -126,7 +131,7 @@ impl Renderer {
             "tests of primitives for {:?}: build the renderer by the laboratory",
             settings.methods
         );
-        let camera = Pinhole::new(&scene.camera, resolution);
+        let camera = PreparedCamera::new(&scene.camera, resolution);
         let lights = Lights::new(scene, settings.methods.lights);
         let geometry = scene.geometry();
         let structure = settings.methods.structure(scene, &geometry, lanes, &lights, tests);
@@ -183,7 +188,7 @@ impl Renderer {
         self.set_bounces(max_bounces);
         self.settings.resolution = resolution;
         let context = &mut self.context;
-        context.camera = Pinhole::new(camera, resolution);
+        context.camera = PreparedCamera::new(camera, resolution);
         context.width = resolution[0];
         match &self.geometry {
             Some(geometry) => {
@@ -197,7 +202,7 @@ impl Renderer {
         &self.context.structure
     }
     /// Returns the prepared camera.
-    pub fn camera(&self) -> &Pinhole {
+    pub fn camera(&self) -> &PreparedCamera {
         &self.context.camera
     }
     /// Returns the features that the pipeline is compiled with: those that the scene needs, or more.
@@ -276,13 +281,13 @@ impl Renderer {
                 _ => generate::<Native>(&self.context, (0, tile), sample, 0, &mut scratch),
             };
             let hit = |(at, [x, y]): (usize, [u32; 2])| {
-                let (direction, _) = scratch.queue.primary::<f32>(at);
+                let ray = self.context.primary_ray::<f32>(&scratch.queue, at);
                 let Hit { t, primitive, u, v } = scratch.queue.hit::<f32>(at);
                 PrimaryHit {
                     x,
                     y,
-                    origin: self.context.camera.origin::<f32>().get(0).to_array(),
-                    direction: direction.get(0).to_array(),
+                    origin: ray.origin.get(0).to_array(),
+                    direction: ray.direction.get(0).to_array(),
                     t,
                     primitive,
                     weights: if on_triangle(primitive) { [u, v] } else { [0.0; 2] },

@@ -1,11 +1,13 @@
 //! Numbers the sample dimensions of a path.
 //!
 //! Dimensions come in pairs, an even one and the next, which [`super::sobol`] stratifies together. [`PIXEL`]
-//! (a pair) places the sample in its pixel. Scattering event b, counted from 0, has the [`PER_BOUNCE`]
-//! dimensions from [`bounce`]`(b)` on.
+//! (a pair) places the sample in its pixel, [`LENS`] (a pair) on the camera's lens. Scattering event b,
+//! counted from 0, has the [`PER_BOUNCE`] dimensions from [`bounce`]`(b)` on.
 
 /// The position in the pixel, a pair.
 pub const PIXEL: u32 = 0;
+/// The position on the camera's lens, a pair.
+pub const LENS: u32 = 2;
 /// The number of dimensions of one scattering event; even, so that pairs stay pairs.
 pub const PER_BOUNCE: u32 = 8;
 /// Within an event: the choice of the material's lobe, such as reflection or refraction.

@@ -1,7 +1,9 @@
-//! Maps the unit square to directions.
+//! Maps the unit square to directions, a disc, and regular polygons.
 
-use crate::lane::{Lane, functions::sin_cos_turns};
+use crate::lane::Lane;
+use crate::lane::functions::{sin_cos, sin_cos_turns};
 use crate::math::Vec3;
+use std::f32::consts::FRAC_PI_4;
 
 /// Returns the tangent and bitangent that make a right-handed orthonormal basis with the unit vector `n`.
 ///
@@ -59,4 +61,38 @@ pub fn sample_uniform_cone<L: Lane>(axis: Vec3<L>, one_minus_cos: L, u: L, v: L)
     let sin = sin2.sqrt();
     let (sin_phi, cos_phi) = sin_cos_turns(v);
     (tangent.mul_add(sin * cos_phi, bitangent.mul_add(sin * sin_phi, axis * cos)), cos, sin2)
+}
+
+/// Returns a uniform point of the unit disc.
+///
+/// Domain: u, v in [0, 1).
+/// Error: 2e-7 (derived: that of the sine).
+/// Source: Shirley, Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3),
+/// 1997.
+#[inline(always)]
+pub fn sample_concentric_disc<L: Lane>(u: L, v: L) -> (L, L) {
+    let (a, b) = (u + u - L::one(), v + v - L::one());
+    let wide = b.abs().lt(a.abs());
+    let (radius, other) = (L::select(wide, a, b), L::select(wide, b, a));
+    let ratio = L::select(radius.eq(L::zero()), L::zero(), other / radius);
+    let (sin, cos) = sin_cos(ratio * L::splat(FRAC_PI_4));
+    let (along, across) = (radius * cos, radius * sin);
+    (L::select(wide, along, across), L::select(wide, across, along))
+}
+
+/// Returns a uniform point of the regular polygon in the unit circle with a corner at (0, 1). `next` is the
+/// corner to its right, (sin, cos) of 2π / `corners`.
+///
+/// Domain: u, v in [0, 1).
+/// Error: 2e-6 (derived: that of the turn, and of the digits of u that choose no side).
+#[inline(always)]
+pub fn sample_polygon<L: Lane>(corners: u32, next: [f32; 2], u: L, v: L) -> (L, L) {
+    let count = L::splat(corners as f32);
+    let side = (u * count).floor();
+    // The triangle of the middle, the top and the next corner, turned to the side.
+    let from_middle = (u * count - side).sqrt();
+    let (x, y) = (L::splat(next[0]) * v, L::splat(next[1] - 1.0).mul_add(v, L::one()));
+    let (x, y) = (from_middle * x, from_middle * y);
+    let (sin, cos) = sin_cos_turns(side / count);
+    (cos.mul_add(x, sin * y), cos.mul_add(y, -sin * x))
 }

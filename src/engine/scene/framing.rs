@@ -1,12 +1,10 @@
 //! Computes the bounds of a scene, and a camera that frames them.
 
-use super::camera::Camera;
+use super::camera::{Camera, VERTICAL_FOV};
 use super::model::Scene;
 use crate::math::portable;
 use glam::{DVec3, Vec3};
 
-/// The field of view in degrees.
-const VERTICAL_FOV: f32 = 40.0;
 /// The direction of the camera from the centre of the bounds, and its distance in diagonals of the bounds.
 const VIEW_FROM: DVec3 = DVec3::new(1.0, 0.5, 1.5);
 const VIEW_DIAGONALS: f64 = 1.2;
@@ -42,7 +40,7 @@ impl Scene {
             }
             (target + VIEW_FROM.normalize() * distance).as_vec3()
         });
-        Camera { position, look_at, up: Vec3::Y, vertical_fov: VERTICAL_FOV }
+        Camera::pinhole(position, look_at, Vec3::Y, VERTICAL_FOV)
     }
 
     /// Returns the least distance from the target, in the direction [`VIEW_FROM`], at which all primitives

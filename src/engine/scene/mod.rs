@@ -7,7 +7,7 @@ mod material;
 mod model;
 mod texture;
 
-pub use camera::{Camera, CameraFault, MIN_LENGTH};
+pub use camera::{Camera, CameraFault, Lens, MIN_LENGTH, Projection, VERTICAL_FOV};
 pub use light::{LightShape, LightUnits, PunctualLight};
 pub use material::{Material, MaterialKind};
 pub use model::*;

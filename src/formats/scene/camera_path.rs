@@ -1,14 +1,14 @@
 //! Interpolates cameras between keyframes.
 //!
-//! Position, target, up and field of view follow a Catmull-Rom spline each: a cubic Hermite spline through
-//! the keyframes whose slope at a keyframe is the slope between its two neighbours, or, at an end, towards
-//! its only neighbour. The speed does not jump at keyframes. Keyframes on a line and evenly apart give a
-//! straight line at even speed. Elsewhere the curve may swing beyond its keyframes, by at most 4/27 of the
-//! slopes times the frames between them. Source: Catmull, Rom, "A class of local interpolating splines",
-//! 1974, for keyframes that need not be evenly apart in time.
+//! Position, target, up, field of view, aperture, focus and orthographic height follow a Catmull-Rom spline
+//! each: a cubic Hermite spline through the keyframes whose slope at a keyframe is the slope between its two
+//! neighbours, or, at an end, towards its only neighbour. The speed does not jump at keyframes. Keyframes on
+//! a line and evenly apart give a straight line at even speed. Elsewhere the curve may swing beyond its
+//! keyframes, by at most 4/27 of the slopes times the frames between them. Source: Catmull, Rom, "A class of
+//! local interpolating splines", 1974, for keyframes that need not be evenly apart in time.
 
 use glam::DVec3;
-use octray_engine::scene::Camera;
+use octray_engine::scene::{Camera, Lens, Projection};
 
 /// A camera at a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,11 +60,30 @@ impl CameraPath {
         let spline = |value: fn(&Camera) -> DVec3| {
             hermite(times, keys.map(|key| value(&key.camera)), f64::from(frame)).as_vec3()
         };
+        let number = |value: fn(&Camera) -> f64| {
+            hermite(times, keys.map(|key| DVec3::splat(value(&key.camera))), f64::from(frame)).x as f32
+        };
+        let projection = match keys[1].camera.projection {
+            Projection::Orthographic { .. } => {
+                Projection::Orthographic { height: number(|camera| 2.0 * camera.half_height()) }
+            }
+            Projection::Perspective(Lens { blades, .. }) => Projection::Perspective(Lens {
+                // The spline may swing below 0.
+                radius: number(|camera| camera.lens().radius.into()).max(0.0),
+                // On `look_at` all the time, or at distances.
+                focus: keys
+                    .iter()
+                    .any(|key| key.camera.lens().focus.is_some())
+                    .then(|| number(Camera::focus)),
+                blades,
+            }),
+        };
         Some(Camera {
             position: spline(|camera| camera.position.as_dvec3()),
             look_at: spline(|camera| camera.look_at.as_dvec3()),
             up: spline(|camera| camera.up.as_dvec3()),
-            vertical_fov: spline(|camera| DVec3::splat(camera.vertical_fov.into())).x,
+            vertical_fov: number(|camera| camera.vertical_fov.into()),
+            projection,
         })
     }
 }
@@ -90,7 +109,7 @@ mod tests {
     use glam::Vec3;
 
     fn camera(x: f32) -> Camera {
-        Camera { position: Vec3::new(x, 0.0, 5.0), look_at: Vec3::ZERO, up: Vec3::Y, vertical_fov: 40.0 + x }
+        Camera::pinhole(Vec3::new(x, 0.0, 5.0), Vec3::ZERO, Vec3::Y, 40.0 + x)
     }
 
     fn path(keys: &[(u32, f32)]) -> CameraPath {
@@ -117,6 +136,21 @@ mod tests {
             assert!((found.vertical_fov - expected.vertical_fov).abs() < 1e-5, "{frame}: {found:?}");
             assert_eq!((found.look_at, found.up), (expected.look_at, expected.up));
         }
+    }
+
+    #[test]
+    fn lens_and_orthographic_height_are_interpolated_too() {
+        let camera_at = |projections: [Projection; 2]| {
+            let key = |(frame, projection)| Keyframe { frame, camera: Camera { projection, ..camera(0.0) } };
+            CameraPath::new([0, 10].into_iter().zip(projections).map(key).collect()).camera_at(5).unwrap()
+        };
+        let lens = |radius, focus| Projection::Perspective(Lens { radius, focus, blades: 5 });
+        let middle = |keys| camera_at(keys).projection;
+        assert_eq!(middle([lens(0.1, Some(2.0)), lens(0.3, Some(6.0))]), lens(0.2, Some(4.0)));
+        assert_eq!(middle([lens(0.1, None), lens(0.3, None)]), lens(0.2, None), "on `look_at` all the time");
+        assert_eq!(middle([lens(0.1, None), lens(0.3, Some(7.0))]), lens(0.2, Some(6.0)), "5 to `look_at`");
+        let height = |height| Projection::Orthographic { height };
+        assert_eq!(middle([height(1.0), height(2.0)]), height(1.5));
     }
 
     #[test]

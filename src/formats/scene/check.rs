@@ -5,7 +5,7 @@ use super::json::JsonPath;
 use super::write::point_in_file;
 use glam::{DVec3, Vec2, Vec3};
 use octray_engine::scene::{
-    Camera, Coordinates, MAX_BOUNCES, MAX_COORDINATE, MAX_SIDE, MIN_LENGTH, Primitive, Scene,
+    Camera, Coordinates, MAX_BOUNCES, MAX_COORDINATE, MAX_SIDE, MIN_LENGTH, Primitive, Projection, Scene,
 };
 
 /// Largest absolute value of any number in a scene. Squared distances (3 · (2 · 1e18)² ≈ 1e37) and cross
@@ -49,7 +49,10 @@ pub fn has_area(vertices: &[Vec3; 3]) -> bool {
 /// Returns a warning about the first of these cameras that looks where coordinates are rounded coarsely, or
 /// else about primitives in view that are so large that the offset of rays from them shows in the picture.
 pub fn warn_of_size(scene: &Scene, cameras: &[Camera]) -> Option<String> {
-    let view = |camera: &Camera| f64::from(camera.position.distance(camera.look_at));
+    let view = |camera: &Camera| match camera.projection {
+        Projection::Perspective(_) => f64::from(camera.position.distance(camera.look_at)),
+        Projection::Orthographic { height } => f64::from(height),
+    };
     let rounding = |camera: &Camera| f64::from(camera.look_at.abs().max_element() * f32::EPSILON);
     if let Some(far) = cameras.iter().find(|camera| rounding(camera) > view(camera) * MOST_ROUNDING) {
         let look_at = point_in_file(far.look_at, &scene.coordinates);

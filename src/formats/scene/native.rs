@@ -17,7 +17,7 @@ pub const MATERIAL: &str = "{ \"type\": \"diffuse\", \"color\": [0.8, 0.1, 0.1] 
 pub fn example(key: &str) -> Option<&'static str> {
     Some(match key {
         "camera" => "{ \"position\": [0, 1, 5], \"look_at\": [0, 1, 0] }",
-        "origin" | "position" | "center" | "look_at" | "translate" => "[0, 1, 5]",
+        "origin" | "position" | "center" | "look_at" | "focus_on" | "translate" => "[0, 1, 5]",
         "up" => "[0, 1, 0]",
         "resolution" => "[240, 135]",
         "max_bounces" => "16",
@@ -29,6 +29,10 @@ pub fn example(key: &str) -> Option<&'static str> {
         "material" => "\"red\", a name in `materials`",
         "spheres" => "[ { \"center\": [0, 1, 0], \"radius\": 1, \"material\": \"red\" } ]",
         "radius" | "scale" | "texture_size" => "1",
+        "aperture_radius" => "0.05",
+        "f_number" => "2.8",
+        "focus_distance" | "orthographic_height" => "4",
+        "blades" => "6",
         "roughness" | "metallic" => "0.5",
         "ior" => "1.5",
         "thin" => "true",
@@ -99,6 +103,18 @@ pub struct CameraFile {
     pub look_at: Option<[f64; 3]>,
     pub up: Option<[f64; 3]>,
     pub vertical_fov: Option<f64>,
+    /// Missing, like `f_number`: 0, a pinhole.
+    pub aperture_radius: Option<f64>,
+    /// The aperture of a lens whose focal length gives a sensor of 24 mm height the field of view, if a scene
+    /// unit is a metre.
+    pub f_number: Option<f64>,
+    /// Missing, like `focus_on`: the distance of `look_at`.
+    pub focus_distance: Option<f64>,
+    pub focus_on: Option<[f64; 3]>,
+    /// Missing: a round aperture.
+    pub blades: Option<u32>,
+    /// Missing: a perspective camera.
+    pub orthographic_height: Option<f64>,
 }
 
 /// A keyframe of a view.

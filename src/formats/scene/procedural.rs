@@ -75,7 +75,7 @@ fn add_grid(
 }
 
 fn camera(position: [f32; 3], look_at: [f32; 3]) -> Camera {
-    Camera { position: position.into(), look_at: look_at.into(), up: Vec3::Y, vertical_fov: 38.0 }
+    Camera::pinhole(position.into(), look_at.into(), Vec3::Y, 38.0)
 }
 
 /// Scene units along x and z.

@@ -36,7 +36,7 @@ fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 
 /// Names of keys and of types of materials in *Ray Tracing in One Weekend*, Mitsuba, pbrt, Blender and glTF,
 /// as [`plain`] writes them, and our names for them. The first of ours that is known at a place is suggested.
-const SYNONYMS: [(&str, &[&str]); 28] = [
+const SYNONYMS: [(&str, &[&str]); 34] = [
     ("position location translation translate origin from pos", &["position", "center", "translate"]),
     ("toworld transform matrix", &["translate", "center", "position"]),
     ("rotation euler rotationeuler", &["rotate_degrees", "turn_degrees"]),
@@ -45,6 +45,12 @@ const SYNONYMS: [(&str, &[&str]); 28] = [
     ("lookat target at lookto to direction", &["look_at"]),
     ("vfov fov fovy yfov angle", &["vertical_fov"]),
     ("vup viewup", &["up"]),
+    ("aperture lensradius defocusangle", &["aperture_radius"]),
+    ("fstop aperturefstop dof", &["f_number"]),
+    ("focusdist focaldistance", &["focus_distance"]),
+    ("focusobject focuspoint", &["focus_on"]),
+    ("apertureblades bladecount", &["blades"]),
+    ("orthographic orthographicscale orthoscale ymag", &["orthographic_height"]),
     ("imagesize size imagewidth imageheight width height aspectratio aspect film", &["resolution"]),
     ("depth maxdepth maxpathlength bounces", &["max_bounces"]),
     ("samplesperpixel samplecount numsamples pixelsamples spp", &["samples"]),
@@ -71,16 +77,12 @@ const SYNONYMS: [(&str, &[&str]); 28] = [
 ];
 
 /// Other programs' keys, and what octray has in their place.
-const INSTEAD: [(&str, &str); 8] = [
+const INSTEAD: [(&str, &str); 7] = [
     ("lamps ambient", "`lights`, materials with `emission`, and `sky` are the light"),
     ("world", "`spheres`, `triangles` and `meshes` hold the objects, `sky` is the light around them"),
     (
         "quad quads box boxes cube plane planes rectangle disk cylinder",
         "write `triangles`, or name a model in `meshes`",
-    ),
-    (
-        "defocusangle focusdist focusdistance focaldistance aperture apertureradius lensradius fstop dof",
-        "the camera is a pinhole, all is in focus; scenes/book/README.md shows how frames make a lens",
     ),
     (
         "time time0 time1 shutter shutteropen shutterclose motionblur center1 center2",
@@ -93,7 +95,7 @@ const INSTEAD: [(&str, &str); 8] = [
 /// Keys that other programs have at other places, and their place here.
 const PLACES: [(&[&str], &str); 2] = [
     (&["resolution", "max_bounces", "sky", "materials", "spheres", "triangles", "meshes"], "of the scene"),
-    (&["position", "look_at", "up", "vertical_fov"], "of `camera`"),
+    (&["position", "look_at", "up", "vertical_fov", "f_number", "orthographic_height"], "of `camera`"),
 ];
 
 /// Returns a name in lower case without signs.

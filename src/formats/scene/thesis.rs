@@ -139,12 +139,12 @@ fn camera([width, height]: [u32; 2]) -> Camera {
     // The point at z = 0 in the middle of the picture.
     let (sin, cos) = portable::sin_cos(YAW);
     let target = CAMERA + DVec3::new(cos / sin, 0.0, 1.0) * -CAMERA.z;
-    Camera {
-        position: inverted(CAMERA).as_vec3(),
-        look_at: inverted(target).as_vec3(),
-        up: Vec3::Y,
-        vertical_fov: (2.0 * portable::atan(half_height)).to_degrees() as f32,
-    }
+    Camera::pinhole(
+        inverted(CAMERA).as_vec3(),
+        inverted(target).as_vec3(),
+        Vec3::Y,
+        (2.0 * portable::atan(half_height)).to_degrees() as f32,
+    )
 }
 
 /// Converts a point to our axes. Subtracting from zero leaves no negative zeros.

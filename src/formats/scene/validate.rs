@@ -107,23 +107,27 @@ pub fn scene(source: &Source, files: &Files, name: String) -> Result<Scene, Scen
 /// Sets the coordinates of a scene, or only their origin if all primitives are in models.
 ///
 /// The origin is that of the file, or else the camera's position, relative to which rounding does not show in
-/// the picture. If the field of view is [`NARROW`], it is the nearest point in the picture instead. Without a
-/// position it is the point that the camera looks at, a corner of a triangle, or the centre of the smallest
-/// sphere. It depends on the direction of sight, and not on the distance of the point that the camera looks
-/// at.
+/// the picture. If the field of view is [`NARROW`] or the camera orthographic, it is the nearest point in the
+/// picture instead. Without a position it is the point that the camera looks at, a corner of a triangle, or
+/// the centre of the smallest sphere. It depends on the direction of sight, and not on the distance of the
+/// point that the camera looks at.
 fn set_coordinates(file: &SceneFile, builder: &mut SceneBuilder) {
     let camera = file.camera.as_ref().map_or([None; 2], |camera| [camera.position, camera.look_at]);
     let [position, look_at] = camera.map(|point| point.map(DVec3::from));
     let vertices = file.triangles.iter().flat_map(|triangle| triangle.vertices).map(|vertex| (vertex, 0.0));
     let balls = file.spheres.iter().map(|sphere| (sphere.center, sphere.radius)).chain(vertices);
     let balls: Vec<(DVec3, f64)> = balls.map(|(center, radius)| (center.into(), radius)).collect();
-    let fov = file.camera.as_ref().and_then(|camera| camera.vertical_fov).filter(|&fov| fov < NARROW);
-    let seen = match (position, look_at, fov) {
-        (Some(position), Some(look_at), Some(fov)) => {
+    // Half the height of the picture at a distance, if it is small: rounding must not depend on the distance.
+    let camera = file.camera.as_ref();
+    let fov = camera.and_then(|camera| camera.vertical_fov).filter(|&fov| fov < NARROW);
+    let height = camera.and_then(|camera| camera.orthographic_height);
+    let half = height.map(|height| [0.5 * height, 0.0]).or(fov.map(|fov| [0.0, fov.to_radians() / 2.0]));
+    let seen = match (position, look_at, half) {
+        (Some(position), Some(look_at), Some([half, slope])) => {
             let sight = (look_at - position).normalize_or_zero();
             let (along, distance) = (|c: DVec3| (c - position).dot(sight), |c: DVec3| c.distance(position));
             let off_axis = |c: DVec3| (c - position - sight * along(c)).length();
-            let shown = balls.iter().filter(|&&(c, r)| off_axis(c) + r < along(c) * fov.to_radians() / 2.0);
+            let shown = balls.iter().filter(|&&(c, r)| off_axis(c) + r < half + along(c) * slope);
             let nearest = shown.min_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).map(|ball| ball.0);
             nearest.or((!balls.is_empty()).then_some(position))
         }

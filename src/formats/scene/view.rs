@@ -11,7 +11,7 @@ use super::write;
 use octray_engine::lights::LightChoice;
 use octray_engine::render::{PipelineChoice, SphereChoice, TraversalChoice, TriangleChoice};
 use octray_engine::sampling::Sampler;
-use octray_engine::scene::{Camera, Coordinates, Scene};
+use octray_engine::scene::{Camera, Coordinates, Projection, Scene};
 use octray_engine::tone::Operator;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -222,6 +222,12 @@ fn path(place: &JsonPath, files: &[KeyframeFile], scene: &Scene) -> Result<Camer
             return Err(place.key("frame").error(what, "write the keyframes in ascending order"));
         }
         let camera = camera(&place.key("camera"), &file.camera, scene, Some(scene.camera))?;
+        let is_orthographic = |camera: &Camera| matches!(camera.projection, Projection::Orthographic { .. });
+        if keyframes.first().is_some_and(|key| is_orthographic(&key.camera) != is_orthographic(&camera)) {
+            let what = "there is no way from a perspective to an orthographic camera";
+            let mend = "give all keyframes `orthographic_height`, or none";
+            return Err(place.key("camera").error(what, mend));
+        }
         keyframes.push(Keyframe { frame: file.frame, camera });
     }
     Ok(CameraPath::new(keyframes))

@@ -2,7 +2,7 @@
 
 use super::camera_path::Keyframe;
 use glam::{DVec3, Vec3};
-use octray_engine::scene::{Camera, Coordinates};
+use octray_engine::scene::{Camera, Coordinates, Lens, Projection};
 use std::path::Path;
 
 /// Returns the file's point, with the fewest digits, that reads back as this point of a scene.
@@ -25,12 +25,27 @@ pub fn point_in_file(point: Vec3, coordinates: &Coordinates) -> DVec3 {
 }
 
 pub fn camera(camera: &Camera, coordinates: &Coordinates) -> String {
+    let length = |x: f32| match f64::from(x) * coordinates.unit {
+        length if coordinates.unit == 1.0 => number(length as f32),
+        length => json_digits(length.abs() >= 1e16, &length),
+    };
+    let projection = match camera.projection {
+        Projection::Orthographic { height } => format!("\"orthographic_height\": {}", length(height)),
+        Projection::Perspective(lens) => {
+            let mut keys = format!("\"vertical_fov\": {}", number(camera.vertical_fov));
+            if lens != Lens::default() {
+                keys += &format!(", \"aperture_radius\": {}", length(lens.radius));
+                keys += &lens.focus.map_or(String::new(), |x| format!(", \"focus_distance\": {}", length(x)));
+                keys += &format!(", \"blades\": {}", lens.blades);
+            }
+            keys
+        }
+    };
     format!(
-        "{{ \"position\": {}, \"look_at\": {}, \"up\": {}, \"vertical_fov\": {} }}",
+        "{{ \"position\": {}, \"look_at\": {}, \"up\": {}, {projection} }}",
         placed(camera.position, coordinates),
         placed(camera.look_at, coordinates),
         vector(camera.up),
-        number(camera.vertical_fov)
     )
 }
 

@@ -5,7 +5,7 @@
 //! normal, from a point that is offset from the surface by the renderer's error bound
 //! ([`crate::kernel::surface`]). Their random numbers are a function of seed and pixel alone.
 
-use crate::camera::{Pinhole, Tile};
+use crate::camera::{PreparedCamera, Tile};
 use crate::math::{MISS, Ray, Vec3};
 use crate::rays::{Hits, Rays};
 use crate::sampling::dimension::{DIRECTION, bounce};
@@ -86,7 +86,7 @@ impl RaySet {
     }
 
     /// Returns the rays through the centres of these pixels.
-    pub fn primary(camera: &Pinhole, pixels: &[[u32; 2]]) -> Self {
+    pub fn primary(camera: &PreparedCamera, pixels: &[[u32; 2]]) -> Self {
         let ray = |pixel: &[u32; 2]| {
             let [x, y] = pixel.map(|x| x as f32 + 0.5);
             (camera.rays(x, y), f32::INFINITY)

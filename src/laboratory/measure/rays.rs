@@ -9,7 +9,7 @@ use super::ray_sets::{Answer, Answers, Kind, RaySet, RaysWithHits, pixels};
 use super::stats::{RayStats, TestStats};
 use super::timed::{Ratio, Times};
 use super::trace::{Accelerators, TracePool, lanes};
-use crate::camera::Pinhole;
+use crate::camera::PreparedCamera;
 use crate::rays::{Geometry, Structure, Traversal};
 use crate::render::TraversalChoice;
 use crate::scene::{Camera, Scene};
@@ -84,7 +84,7 @@ pub fn prepare(
         RaysWithHits { set, nearest }
     };
     let pixels = pixels(size);
-    let primary = prepared(RaySet::primary(&Pinhole::new(camera, size), &pixels));
+    let primary = prepared(RaySet::primary(&PreparedCamera::new(camera, size), &pixels));
     let from_hits = |kind| prepared(RaySet::from_hits(kind, scene, &primary, &pixels, size[0], seed));
     let (shadow, diffuse) = (from_hits(Kind::Shadow), from_hits(Kind::Diffuse));
     vec![primary, shadow, diffuse]

@@ -4,7 +4,7 @@
 use super::many_lamps;
 use crate::common::*;
 use octray::buffers::{Buffers, Features};
-use octray::camera::Pinhole;
+use octray::camera::PreparedCamera;
 use octray::integrate::TraceContext;
 use octray::integrate::queue::Path;
 use octray::kernel::ray_cone::Cone;
@@ -19,7 +19,7 @@ fn context(scene: &Scene) -> TraceContext {
         buffers: Buffers::new(scene),
         primitives: PrimitiveTables::new(scene, |number| lights.sampled_as(number)),
         structure: Structure::new(&scene.geometry()),
-        camera: Pinhole::new(&scene.camera, [1, 1]),
+        camera: PreparedCamera::new(&scene.camera, [1, 1]),
         visible: Vec::new(),
         width: 1,
         max_bounces: 1,

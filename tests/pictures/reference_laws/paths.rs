@@ -262,10 +262,10 @@ fn camera_rays_span_the_field_of_view() {
     let mut scene = empty();
     scene.camera.vertical_fov = 90.0;
     let judge = Reference::new(&scene);
-    let (origin, upper_left) = judge.camera_ray([200, 100], 0.0, 0.0);
+    let (origin, upper_left) = judge.camera_ray([200, 100], [0.0; 2], [0.5; 2]);
     assert_eq!(origin, DVec3::Z * 5.0);
     assert!(upper_left.distance(dvec3(-2.0, 1.0, -1.0).normalize()) < 1e-12, "{upper_left}");
-    let (_, centre) = judge.camera_ray([200, 100], 100.0, 50.0);
+    let (_, centre) = judge.camera_ray([200, 100], [100.0, 50.0], [0.5; 2]);
     assert!(centre.distance(-DVec3::Z) < 1e-12);
 }
 

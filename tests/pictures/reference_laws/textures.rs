@@ -7,7 +7,7 @@ use crate::common::*;
 fn seen(scene: Scene, position: Vec3, look_at: Vec3) -> [f64; 3] {
     let forward = (look_at - position).normalize();
     let up = if forward.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
-    let camera = Camera { position, look_at, up, vertical_fov: 1e-6 };
+    let camera = Camera::pinhole(position, look_at, up, 1e-6);
     Reference::new(&Scene { camera, ..scene }).path(one_pixel(0), 0, 0, 0)
 }
 

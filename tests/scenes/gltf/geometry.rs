@@ -3,7 +3,7 @@
 use super::super::coordinates::in_file;
 use super::{Loaded, append, floats, model, placed, read, read_with, refused, square};
 use glam::{Vec3, vec3};
-use octray::scene::load;
+use octray::scene::{Projection, load};
 use serde_json::json;
 
 #[test]
@@ -117,6 +117,19 @@ fn cameras_look_along_minus_z_of_their_node_and_have_its_aspect_ratio() {
         assert!((camera.vertical_fov - 28.65).abs() < 0.01);
         assert_eq!((scene.resolution, scene.warnings.len()), (resolution, warnings), "{:?}", scene.warnings);
     }
+}
+
+#[test]
+fn orthographic_cameras_show_twice_their_magnification() {
+    let scene = read(&model(|json| {
+        json["cameras"] = json!([{ "type": "orthographic", "orthographic":
+            { "xmag": 1.5, "ymag": 3, "znear": 0, "zfar": 9 } }]);
+        json["nodes"] = json!([{ "mesh": 0 }, { "camera": 0, "translation": [0, 0, 7], "scale": [9, 9, 9] }]);
+        json["scenes"][0]["nodes"] = json!([0, 1]);
+    }));
+    assert_eq!(scene.camera.projection, Projection::Orthographic { height: 6.0 });
+    assert_eq!((scene.resolution, scene.camera.position), ([127, 255], vec3(0.0, 0.0, 7.0)));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
 }
 
 #[test]

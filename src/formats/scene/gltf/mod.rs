@@ -31,8 +31,8 @@ use bytes::Document;
 use geometry::{Geometry, Transform};
 use glam::DVec4;
 use material::{Added, Materials};
-use octray_engine::scene::{Camera, MaterialKind};
-use schema::Root;
+use octray_engine::scene::{Camera, MaterialKind, Projection, VERTICAL_FOV};
+use schema::{Orthographic, Perspective, Root};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
@@ -205,13 +205,23 @@ impl Gltf {
         let user = document.source.root();
         let camera = document.get(&self.root.cameras, "cameras", index, &user.key("nodes"))?;
         let (lower, upper) = builder.scene.bounds();
-        let position = placement.point(transform.w_axis.truncate());
-        let position = builder.scene.coordinates.to_scene(position);
+        let coordinates = builder.scene.coordinates;
+        let position = coordinates.to_scene(placement.point(transform.w_axis.truncate()));
         let mut framed = |why: &str| {
             builder.warn(format!("{}: cameras[{index}] {why}: the model is framed instead.", path.display()));
             Ok(None)
         };
-        let Some(perspective) = &camera.perspective else { return framed("is no perspective camera") };
+        let (vertical_fov, projection, named) = match (&camera.perspective, &camera.orthographic) {
+            (Some(Perspective { yfov, aspect_ratio }), _) => {
+                (yfov.to_degrees() as f32, Projection::default(), *aspect_ratio)
+            }
+            // The sign of a magnification mirrors the picture, which nobody wants.
+            (None, Some(Orthographic { xmag, ymag })) => {
+                let height = (2.0 * ymag.abs() * placement.scale / coordinates.unit) as f32;
+                (VERTICAL_FOV, Projection::Orthographic { height }, Some((xmag / ymag).abs()))
+            }
+            (None, None) => return framed("is neither perspective nor orthographic"),
+        };
         let rotated = |axis: DVec4| placement.rotation * (transform * axis).truncate();
         let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(rotated);
         // The point is as far away as the model, which sets the viewer's distances.
@@ -220,14 +230,15 @@ impl Gltf {
             position: position.as_vec3(),
             look_at: (position + forward.normalize_or_zero() * distance).as_vec3(),
             up: up.normalize_or_zero().as_vec3(),
-            vertical_fov: perspective.yfov.to_degrees() as f32,
+            vertical_fov,
+            projection,
         };
         let mut points = [camera.position, camera.look_at].into_iter();
         if camera.fault().is_some() || !points.all(|point| is_near(point.into())) {
             return framed("cannot be used");
         }
-        let aspect = perspective.aspect_ratio.filter(|aspect| (1.0 / 64.0..=64.0).contains(aspect));
-        if let Some(other) = perspective.aspect_ratio.xor(aspect) {
+        let aspect = named.filter(|aspect| (1.0 / 64.0..=64.0).contains(aspect));
+        if let Some(other) = named.xor(aspect) {
             builder
                 .warn(format!("{}: cameras[{index}]: the aspect ratio {other} is left out.", path.display()));
         }

@@ -94,7 +94,7 @@ optional! {
     Lights { lights: List<Light> }
     // Angles are in radians, from the light's axis.
     Spot { inner_cone_angle: Option<f64>, outer_cone_angle: Option<f64> }
-    Camera { perspective: Option<Perspective> }
+    Camera { perspective: Option<Perspective>, orthographic: Option<Orthographic> }
     Image { uri: Option<String>, buffer_view: Option<Whole> }
     Texture { source: Option<Whole>, sampler: Option<Whole>, extensions: ImageExtensions }
     ImageExtensions { #[serde(rename = "EXT_texture_webp")] webp: OtherImage }
@@ -141,6 +141,8 @@ objects! {
         #[serde(default)] spot: Spot,
     }
     Perspective { yfov: f64, aspect_ratio: Option<f64> }
+    // Half the width and half the height of the picture.
+    Orthographic { xmag: f64, ymag: f64 }
     Mesh { primitives: Vec<Primitive> }
     Primitive {
         #[serde(default)] attributes: HashMap<String, Lenient<Whole>>,

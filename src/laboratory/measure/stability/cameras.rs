@@ -6,7 +6,7 @@ use super::scenes::{empty, put_box, seen, sphere};
 use super::spheres::{self, Ball};
 use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare};
 use super::triangles;
-use crate::camera::Pinhole;
+use crate::camera::PreparedCamera;
 use crate::math::MISS;
 use crate::methods::{Robust, Woop};
 use crate::reference::{Reference, Verdict};
@@ -64,7 +64,7 @@ fn pixels_per_unit(degrees: f64) -> f64 {
 type View = fn(&Camera, f32, f32) -> glam::Vec3;
 
 fn pinhole(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
-    Pinhole::new(camera, SIZE).rays(x, y).direction.get(0)
+    PreparedCamera::new(camera, SIZE).rays(x, y).direction.get(0)
 }
 
 /// Returns, in f32: width and height in pixels; forward, right and up; half of the picture's width and height
@@ -95,12 +95,12 @@ fn in_single(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
 
 fn views(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, view: View) {
     let position = rng.in_cube().as_vec3() * 1000.0;
-    let camera = Camera {
+    let camera = Camera::pinhole(
         position,
-        look_at: position + rng.direction().as_vec3() * rng.scale(0.1, 100.0) as f32,
-        up: rng.direction().as_vec3(),
-        vertical_fov: degrees as f32,
-    };
+        position + rng.direction().as_vec3() * rng.scale(0.1, 100.0) as f32,
+        rng.direction().as_vec3(),
+        degrees as f32,
+    );
     let [width, height] = SIZE.map(f64::from);
     let (x, y) = ((width * rng.unit()) as f32, (height * rng.unit()) as f32);
     // Basis and picture in f64.
@@ -152,12 +152,12 @@ fn inside(rng: &mut Rng, from_wall: f64, counts: &mut FailureCounts, find: fn(&S
         put_box(&mut scene, rng, center, size)[rng.index(3)]
     };
     let position = (center + towards * (size * (1.0 - from_wall))).as_vec3();
-    scene.camera = Camera {
+    scene.camera = Camera::pinhole(
         position,
-        look_at: position + (rng.direction() * size).as_vec3(),
-        up: rng.direction().as_vec3(),
-        vertical_fov: 100.0,
-    };
+        position + (rng.direction() * size).as_vec3(),
+        rng.direction().as_vec3(),
+        100.0,
+    );
     let reference = Reference::new(&scene);
     for hit in find(&scene) {
         let verdict = reference.check_primary(hit.origin, hit.direction, hit.t, hit.primitive);

@@ -50,7 +50,7 @@ pub fn empty() -> Scene {
     let diffuse = Material::new("diffuse", MaterialKind::Diffuse, Vec3::ONE);
     Scene {
         name: "test case".into(),
-        camera: Camera { position: Vec3::ZERO, look_at: Vec3::Z, up: Vec3::Y, vertical_fov: 90.0 },
+        camera: Camera::pinhole(Vec3::ZERO, Vec3::Z, Vec3::Y, 90.0),
         resolution: [16, 16],
         max_bounces: 1,
         sky: Sky::Color(Vec3::ONE),
@@ -84,7 +84,7 @@ fn mixed(rng: &mut Rng, ratio: f64, counts: &mut FailureCounts, methods: Methods
     let mut scene = empty();
     scene.spheres = balls.map(|Ball { center, radius }| sphere(center, radius)).into();
     let (position, look_at) = (eye.as_vec3(), balls[1].center);
-    scene.camera = Camera { position, look_at, up: along.cross(up).as_vec3(), vertical_fov: 0.12 };
+    scene.camera = Camera::pinhole(position, look_at, along.cross(up).as_vec3(), 0.12);
     let inner = Ball { radius: balls[1].radius * (1.0 - SILHOUETTE), ..balls[1] };
     for hit in seen(&scene, methods, 8) {
         let ray = ray(hit.origin.into(), hit.direction.into());

@@ -210,23 +210,10 @@ def make_book_final():
 
 
 def make_book_defocus():
-    # The final scene from 64 points of a lens of 0.6 degrees, all looking at one point 10 away: their mean is
-    # out of focus everywhere else.
-    eye, radius, count = (13, 2, 3), 10 * math.tan(math.radians(0.3)), 64
-    far, across = math.hypot(*eye), math.hypot(eye[0], eye[2])
-    x, y, z = back = [x / far for x in eye]
-    side = (eye[2] / across, 0, -eye[0] / across)
-    up = (-x * y * far / across, across / far, -y * z * far / across)
-    frames = []
-    for i in range(count):
-        r, turn = radius * math.sqrt((i + 0.5) / count), i * math.pi * (3 - math.sqrt(5))
-        u, v = r * math.cos(turn), r * math.sin(turn)
-        position = rounded(*(e + u * s + v * w for e, s, w in zip(eye, side, up)))
-        frames.append({"frame": i + 1, "camera": {"position": position}})
-    focus = rounded(*((far - 10) * x for x in back))
-    view = {"format": "octray-view-1", "scene": "final.json", "camera": {"look_at": focus}}
+    # The final scene through the book's lens of 0.6 degrees.
+    lens = {"aperture_radius": round(10 * math.tan(math.radians(0.3)), 6), "focus_distance": 10}
+    view = {"format": "octray-view-1", "scene": "final.json", "camera": lens}
     parts = [f'  {json.dumps(key)}: {json.dumps(value)}' for key, value in view.items()]
-    parts.append(f'  "keyframes": {entries(frames)}')
     (HERE / "book/defocus.json").write_text("{\n" + ",\n".join(parts) + "\n}\n")
 
 

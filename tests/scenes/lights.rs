@@ -111,8 +111,8 @@ fn lights_and_camera_come_along_unless_the_scene_says_otherwise() {
     let without = named(&folder, r#", "lights": false, "camera": false"#);
     assert!(without.lights.is_empty() && without.sky == Sky::Color(Vec3::ONE));
     assert_ne!(without.camera.vertical_fov, scene.camera.vertical_fov);
-    let own = format!(r#""camera": {{ "vertical_fov": 33 }}, "meshes": [ {{ "model": "m.gltf" }} ]"#);
-    assert_eq!(folder.load_keys(&own).unwrap().camera.vertical_fov, 33.0);
+    let own = r#""camera": { "vertical_fov": 33 }, "meshes": [ { "model": "m.gltf" } ]"#;
+    assert_eq!(folder.load_keys(own).unwrap().camera.vertical_fov, 33.0);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::camera::Tile;
 use crate::film::{Film, TileSums};
 use crate::openings;
 use crate::render::Renderer;
-use crate::scene::{MAX_BOUNCES, MaterialKind, Scene, Sphere};
+use crate::scene::{MAX_BOUNCES, Scene, Sphere};
 use crate::tone::{MAX_EXPOSURE, Tone};
 
 /// Thresholds of displayed intensity, with white at 1: the first two are sRGB 25 and 137 of 255.
@@ -55,8 +55,7 @@ fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>)
     let camera = renderer.camera().position();
     let is_around = |sphere: &Sphere| {
         let material = &scene.materials[sphere.material as usize];
-        let is_glass = matches!(material.kind, MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. });
-        let is_opaque = !is_glass && !material.emits();
+        let is_opaque = !material.is_clear() && !material.emits();
         is_opaque && sphere.center.distance(camera) < sphere.radius
     };
     if let Some(more) = more {

@@ -234,7 +234,9 @@ pub fn type_of(kind: MaterialKind) -> &'static str {
     match kind {
         MaterialKind::Diffuse => "diffuse",
         MaterialKind::Metal { .. } => "metal",
-        MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => "glass",
+        MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } | MaterialKind::RoughGlass { .. } => {
+            "glass"
+        }
         MaterialKind::FuzzyMirror { .. } => "scatter",
         MaterialKind::Plastic { .. } => "plastic",
         MaterialKind::MetalRough { .. } => "metal-rough",

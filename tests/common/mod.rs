@@ -20,10 +20,11 @@ pub use octray::render::{Methods, SphereChoice, TraversalChoice, TriangleChoice}
 pub use octray::render::{PipelineChoice, Renderer, Settings};
 pub use octray::sampling::Sampler;
 pub use octray::scene::MaterialKind::{
-    Diffuse, Emitter, FuzzyMirror, Glass, Metal, MetalRough, Plastic, ThinGlass,
+    Diffuse, Emitter, FuzzyMirror, Glass, Metal, MetalRough, Plastic, RoughGlass, ThinGlass,
 };
 pub use octray::scene::{
-    Camera, Filter, Material, MaterialKind, Scene, Side, Sky, Sphere, Texels, Texture, Triangle, Wrap, load,
+    Attenuation, Camera, Filter, Material, MaterialExtras, MaterialKind, Scene, Side, Sky, Sphere, Texels,
+    Texture, Triangle, Wrap, load,
 };
 pub use octray::tone::Tone;
 
@@ -58,7 +59,7 @@ pub fn camera(position: Vec3, look_at: Vec3, vertical_fov: f32) -> Camera {
 }
 
 /// Every kind of material that scatters, rough and smooth.
-pub const KINDS: [MaterialKind; 11] = [
+pub const KINDS: [MaterialKind; 13] = [
     Diffuse,
     Metal { roughness: 0.0 },
     Metal { roughness: 0.5 },
@@ -70,6 +71,8 @@ pub const KINDS: [MaterialKind; 11] = [
     Plastic { roughness: 0.4, ior: 1.8 },
     MetalRough { roughness: 0.0, metallic: 0.3, ior: 1.5 },
     MetalRough { roughness: 0.6, metallic: 0.5, ior: 1.3 },
+    RoughGlass { roughness: 0.5, ior: 1.5, thin: false },
+    RoughGlass { roughness: 0.7, ior: 1.3, thin: true },
 ];
 
 pub fn material(kind: MaterialKind) -> Material {

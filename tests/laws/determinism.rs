@@ -90,6 +90,10 @@ fn everything(triangles: usize) -> Scene {
     materials[13].emission_map = Some(2);
     materials[14].roughness_map = Some(1);
     materials[14].normal_map = Some(1);
+    materials[13].extras.clearcoat = 0.5;
+    materials[14].extras.transmission = 0.7;
+    materials[15].extras.attenuation = Some(Attenuation { color: vec3(0.2, 0.6, 0.8), distance: 2.0 });
+    materials[15].roughness_map = Some(1);
     let mut scene = furnished(&mut rng, materials, 20, triangles, true);
     // Every other triangle is smooth.
     scene.normals = (0..scene.triangles.len())

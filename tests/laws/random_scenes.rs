@@ -46,7 +46,8 @@ fn kind(rng: &mut Rng) -> MaterialKind {
         }
         5 => {
             let ior = of(rng, &[ior, 1.0 / ior, 1.0, 1e-3, 1e3]);
-            of(rng, &[Glass { ior }, ThinGlass { ior }])
+            let rough = |thin| RoughGlass { roughness, ior, thin };
+            of(rng, &[Glass { ior }, ThinGlass { ior }, rough(false), rough(true)])
         }
         6 => FuzzyMirror { roughness: rng.scale(1e-3, 1e3) as f32 },
         _ => Emitter,
@@ -60,6 +61,18 @@ fn material(rng: &mut Rng, textures: usize) -> Material {
         true => fractions(rng) * rng.scale(1e-6, 1e6) as f32,
         false => Vec3::ZERO,
     };
+    let color = if emitter { Vec3::ONE } else { fractions(rng) };
+    let absorbs = matches!(kind, Glass { .. } | RoughGlass { thin: false, .. }) && emission == Vec3::ZERO;
+    let mut extras = MaterialExtras::default();
+    if matches!(kind, MetalRough { .. }) && once_in(rng, 2) {
+        extras.transmission = fraction(rng);
+        extras.thin = extras.transmission > 0.0 && once_in(rng, 2);
+        (extras.specular, extras.specular_color) = (fraction(rng), 2.0 * fractions(rng));
+        (extras.clearcoat, extras.clearcoat_roughness) = (fraction(rng), fraction(rng));
+    } else if absorbs && once_in(rng, 2) {
+        extras.attenuation =
+            Some(Attenuation { color: fractions(rng), distance: rng.scale(1e-2, 1e2) as f32 });
+    }
     let mut map = |times: usize, fits: bool| {
         let wanted = fits && textures > 0 && once_in(rng, times);
         wanted.then(|| rng.index(textures) as u32)
@@ -72,7 +85,8 @@ fn material(rng: &mut Rng, textures: usize) -> Material {
         name: "m".into(),
         kind,
         emission,
-        color: if emitter { Vec3::ONE } else { fractions(rng) },
+        color,
+        extras,
     }
 }
 

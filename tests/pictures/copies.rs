@@ -48,7 +48,7 @@ fn place(json: &mut Value, key: &str, scale: f64, offset: [f64; 3]) {
             numbers.iter_mut().for_each(|number| *number = (number.as_f64().unwrap() * scale * scale).into())
         }
         Value::Array(items) => items.iter_mut().for_each(|item| place(item, key, scale, offset)),
-        length if matches!(key, "radius" | "scale" | "texture_size" | "range") => {
+        length if matches!(key, "radius" | "scale" | "texture_size" | "range" | "attenuation_distance") => {
             *length = (length.as_f64().unwrap() * scale).into();
         }
         _ => {}
@@ -148,6 +148,7 @@ fn white_scenes_vanish_in_a_white_furnace() {
             let emission = if material.kind == Emitter { Vec3::ONE } else { Vec3::ZERO };
             (material.color, material.emission) = (Vec3::ONE, emission);
             (material.texture, material.emission_map) = (None, None);
+            material.extras.attenuation = None;
             // The thesis's lobe absorbs.
             if matches!(material.kind, FuzzyMirror { .. }) {
                 material.kind = Diffuse;
@@ -158,6 +159,11 @@ fn white_scenes_vanish_in_a_white_furnace() {
         // A rough coat of plastic keeps what bounces between its facets.
         let is_coated = scene.materials.iter().any(|material| matches!(material.kind, Plastic { .. }));
         let least = if is_coated { 0.93 } else { 0.98 };
-        assert!((least..=1.0001).contains(&shown), "{}: {shown}", path.display());
+        // Rough glass and clear coats return all light within the errors of tables and fits, and with noise.
+        let has_layers = |material: &Material| {
+            matches!(material.kind, RoughGlass { .. }) || material.extras != MaterialExtras::default()
+        };
+        let most = if scene.materials.iter().any(has_layers) { 1.004 } else { 1.0001 };
+        assert!((least..=most).contains(&shown), "{}: {shown}", path.display());
     }
 }

@@ -137,14 +137,14 @@ fn words_of_other_programs_are_understood() {
         ("camera", "image_width", "did you mean `resolution` of the scene?"),
         ("camera", "defocus_angle", "did you mean `aperture_radius`?"),
         ("scene", "samplesPerPixel", "octray render --samples N"),
-        ("glass", "transmission", "`glass` lets light through"),
+        ("glass", "transparency", "`glass` lets light through"),
         ("sphere", "albedo", "an entry of `materials`"),
     ] {
         assert_refused(|word| with_word(part, word), "", &[(word, "", words)]);
     }
     // Only keys that the type has are offered.
-    let mend = refuse(with_word("glass", "fuzz")).mend.unwrap();
-    assert!(!mend.contains("roughness") && mend.contains("color, emission, ior"), "{mend}");
+    let mend = refuse(with_word("diffuse", "fuzz")).mend.unwrap();
+    assert!(!mend.contains("roughness") && mend.contains("color, emission, texture"), "{mend}");
 }
 
 /// The place and the first line of each message of an error.

@@ -3,7 +3,8 @@
 use super::coordinates::in_file;
 use crate::folder::Folder;
 use glam::{Vec2, Vec3, vec2, vec3};
-use octray::scene::{Filter, MaterialKind, Scene, Side, Sky, Texels, builtin_names, load, load_with_view};
+use octray::scene::{Filter, MaterialExtras, MaterialKind, Scene, Side, Sky, Texels};
+use octray::scene::{builtin_names, load, load_with_view};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -123,6 +124,48 @@ fn metal_rough_and_turned_skies_are_read() {
     assert_eq!((m.emission, m.emission_map.is_some(), m.color), (Vec3::ONE, true, Vec3::ONE));
     assert_eq!(n.kind, MaterialKind::MetalRough { roughness: 0.0, metallic: 0.25, ior: 9.0 });
     assert!(matches!(scene.sky, Sky::Texture { turn: 0.75, .. }), "{:?}", scene.sky);
+}
+
+#[test]
+fn rough_glass_and_extras_are_read_and_refused() {
+    let with = |material: &str| {
+        let text = format!(
+            r#"{{ "format": "octray-1", "materials": {{ "m": {{ {material} }} }},
+            "spheres": [{{ "center": [0,0,0], "radius": 1, "material": "m" }}] }}"#
+        );
+        Folder::new().load("scene.json", text)
+    };
+    let read = |text: &str| in_file(with(text).unwrap()).materials.remove(0);
+    let absorbing = r#""attenuation_color": [1, 0.5, 0], "attenuation_distance": 0.25"#;
+    let rough = read(&format!(r#""type": "glass", "roughness": 0.5, {absorbing}"#));
+    assert_eq!(rough.kind, MaterialKind::RoughGlass { roughness: 0.5, ior: 1.5, thin: false });
+    let attenuation = rough.extras.attenuation.unwrap();
+    assert_eq!((attenuation.color, attenuation.distance), (vec3(1.0, 0.5, 0.0), 0.25));
+    let metal = r#""type": "metal-rough""#;
+    let coated =
+        read(&format!(r#"{metal}, "clearcoat": 0.5, "specular": 0, "transmission": 1, "thin": true"#));
+    let (extras, plain) = (coated.extras, MaterialExtras::default());
+    assert_eq!(
+        extras,
+        MaterialExtras { clearcoat: 0.5, specular: 0.0, transmission: 1.0, thin: true, ..plain }
+    );
+    for (text, key, what) in [
+        (r#""type": "diffuse", "clearcoat": 1"#.to_string(), "clearcoat", "make the type `metal-rough`"),
+        (format!(r#"{metal}, "thin": true"#), "thin", "lets no light through"),
+        (format!(r#"{metal}, {absorbing}"#), "attenuation_color", "lets no light through"),
+        (format!(r#"{metal}, "clearcoat_roughness": 1"#), "clearcoat_roughness", "add `clearcoat`"),
+        (format!(r#"{metal}, "specular": 2"#), "specular", "from 0 to 1"),
+        (format!(r#""type": "glass", "thin": true, {absorbing}"#), "attenuation_color", "absorbs nothing"),
+        (format!(r#""type": "glass", "emission": [1,1,1], {absorbing}"#), "attenuation_color", "emits light"),
+        (
+            r#""type": "glass", "attenuation_distance": 1"#.into(),
+            "attenuation_distance",
+            "add `attenuation_color`",
+        ),
+    ] {
+        let error = with(&text).unwrap_err().to_string();
+        assert!(error.contains(&format!("materials.m.{key}")) && error.contains(what), "{text}: {error}");
+    }
 }
 
 #[test]

@@ -61,6 +61,12 @@ features! {
     EMISSION_MAPS = 23, "emission-maps";
     /// Some texture is filtered trilinearly: paths carry ray cones.
     LEVELS_OF_DETAIL = 24, "levels-of-detail";
+    ROUGH_GLASS = 28, "rough-glass";
+    /// Some metal-rough surface has a clear coat or another reflectance: see
+    /// [`crate::scene::MaterialExtras`].
+    LAYERS = 29, "layers";
+    /// Some glass absorbs light, or some metal-rough surface is partly glass.
+    TRANSMISSION = 30, "transmission";
     /// Some texture of a surface is clamped or mirrored beyond its edges.
     WRAPS = 32, "wraps";
     /// The sky is sampled through quads.
@@ -79,7 +85,11 @@ impl Features {
         .with(Self::METAL_ROUGH)
         .with(Self::NORMAL_MAPS)
         .with(Self::ROUGHNESS_MAPS)
-        .with(Self::EMISSION_MAPS);
+        .with(Self::EMISSION_MAPS)
+        .with(Self::ROUGH_GLASS);
+
+    /// The features that read [`super::Buffers::material_extensions`].
+    pub const EXTENSIONS: Features = Self::LAYERS.with(Self::TRANSMISSION);
 
     /// The features of textures whose lookups are calls: one that may follow every lookup costs 6 % in
     /// textured scenes.
@@ -165,11 +175,16 @@ impl Features {
             need(material.normal_map.is_some(), Self::NORMAL_MAPS);
             need(material.roughness_map.is_some() && material.kind.has_roughness(), Self::ROUGHNESS_MAPS);
             need(material.emission_map.is_some(), Self::EMISSION_MAPS);
+            let extras = &material.extras;
+            need(extras.attenuation.is_some() || extras.transmission > 0.0, Self::TRANSMISSION);
+            need(extras.transmission > 0.0, Self::ROUGH_GLASS);
+            need(extras.reflects_otherwise(), Self::LAYERS);
             match material.kind {
                 MaterialKind::Diffuse => need(true, Self::DIFFUSE),
                 MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),
                 MaterialKind::Metal { .. } => need(true, Self::GGX),
                 MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => need(true, Self::GLASS),
+                MaterialKind::RoughGlass { .. } => need(true, Self::ROUGH_GLASS),
                 MaterialKind::FuzzyMirror { .. } => need(true, Self::FUZZY_MIRROR),
                 MaterialKind::Plastic { .. } => need(true, Self::PLASTIC),
                 MaterialKind::MetalRough { .. } => need(true, Self::METAL_ROUGH),

@@ -13,7 +13,7 @@ mod texels;
 pub use features::{Features, has};
 pub use texels::{Abilities, Textures};
 
-use crate::kernel::bsdf::{metal_rough, plastic};
+use crate::kernel::bsdf::{glass_albedo, metal_rough, plastic};
 use crate::scene::{self, MaterialKind, Scene};
 use glam::Vec3;
 use rows::Rows;
@@ -27,9 +27,16 @@ pub struct Buffers {
     pub material_rows: Rows,
     /// One row of eight per material, read if the pipeline has some of [`Features::DETAILS`]: index of
     /// refraction, mean transmittance of plastic's coat, roughness map, normal map and emission map (bits:
-    /// index + 1, 0 for none), 0. For metal-rough the first two are the dielectric's reflectance at normal
-    /// incidence and the metallic share.
+    /// index + 1, 0 for none), 0, first row in `glass_albedo` (bits), index of refraction of glass (negated:
+    /// thin glass). For metal-rough the first two are the dielectric's reflectance at normal incidence and
+    /// the metallic share; for rough glass the first is the last, and the second 1.
     pub material_extra: Rows,
+    /// Two rows of eight per material, if the scene needs some of [`Features::EXTENSIONS`]. The first one:
+    /// transmission, absorption coefficients, 0; the second one: the dielectric's reflectance at normal
+    /// incidence and at grazing angles, the share of the clear coat and its alpha, 0.
+    pub material_extensions: Rows,
+    /// The tables of [`glass_albedo`], one for each index of refraction.
+    pub glass_albedo: Rows,
     /// All textures, encoded for lookups.
     pub textures: Textures,
     /// The environment, seen by rays that hit nothing.
@@ -71,13 +78,15 @@ impl MaterialCode {
     pub const PLASTIC: u32 = 6;
     /// The metallic-roughness model of glTF.
     pub const METAL_ROUGH: u32 = 7;
+    /// A rough dielectric.
+    pub const ROUGH_GLASS: u32 = 8;
     /// The position of the texture index, in bits.
     pub const TEXTURE_SHIFT: u32 = 8;
     /// The mask of the kind.
     pub const KIND: u32 = 0xff;
 
-    /// Returns the code of a material, and its parameter: alpha of GGX, plastic's coat and metal-rough, index
-    /// of refraction of glass (negated: thin glass), roughness of the fuzzy mirror.
+    /// Returns the code of a material, and its parameter: alpha of GGX, plastic's coat, metal-rough and rough
+    /// glass, index of refraction of glass (negated: thin glass), roughness of the fuzzy mirror.
     fn of(material: &scene::Material) -> (Self, f32) {
         let (kind, parameter) = match material.kind {
             MaterialKind::Emitter => (Self::EMITTER, 0.0),
@@ -86,6 +95,7 @@ impl MaterialCode {
             MaterialKind::Metal { roughness } => (Self::GGX, roughness * roughness),
             MaterialKind::Glass { ior } => (Self::GLASS, ior),
             MaterialKind::ThinGlass { ior } => (Self::GLASS, -ior),
+            MaterialKind::RoughGlass { roughness, .. } => (Self::ROUGH_GLASS, roughness * roughness),
             MaterialKind::FuzzyMirror { roughness } => (Self::FUZZY_MIRROR, roughness),
             MaterialKind::Plastic { roughness, .. } => (Self::PLASTIC, roughness * roughness),
             MaterialKind::MetalRough { roughness, .. } => (Self::METAL_ROUGH, roughness * roughness),
@@ -98,10 +108,16 @@ impl MaterialCode {
 impl Buffers {
     /// Flattens a scene.
     pub fn new(scene: &Scene) -> Self {
+        let glass = GlassTables::of(scene);
+        let detail_row = |material: &scene::Material| detail_row(material, &glass);
+        let needs = Features::of(scene);
+        let extended = scene.materials.iter().filter(|_| needs.meets(Features::EXTENSIONS));
         Self {
-            needs: Features::of(scene),
+            needs,
+            material_extensions: Rows::new(extended.flat_map(extension_rows)),
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
             material_extra: Rows::new(scene.materials.iter().map(detail_row)),
+            glass_albedo: glass.rows(),
             textures: Textures::new(&scene.textures),
             sky: Sky::new(scene.sky),
         }
@@ -127,8 +143,10 @@ fn material_row(material: &scene::Material) -> [f32; 8] {
 }
 
 /// Returns a row of [`Buffers::material_extra`].
-fn detail_row(material: &scene::Material) -> [f32; 8] {
+fn detail_row(material: &scene::Material, glass: &GlassTables) -> [f32; 8] {
+    let (first_row, glass_ior) = glass.entry(material);
     let (ior, transmitted) = match material.kind {
+        MaterialKind::RoughGlass { .. } => (glass_ior, 1.0),
         MaterialKind::Plastic { ior, .. } => (ior, plastic::mean_transmittance(ior)),
         MaterialKind::MetalRough { metallic, ior, .. } => (metal_rough::normal_reflectance(ior), metallic),
         _ => (1.0, 1.0),
@@ -136,5 +154,75 @@ fn detail_row(material: &scene::Material) -> [f32; 8] {
     let code = |map: Option<u32>| f32::from_bits(map.map_or(0, |index| index + 1));
     let roughness_map = material.roughness_map.filter(|_| material.kind.has_roughness());
     let (normal_map, emission_map) = (code(material.normal_map), code(material.emission_map));
-    [ior, transmitted, code(roughness_map), normal_map, emission_map, 0.0, 0.0, 0.0]
+    [
+        ior,
+        transmitted,
+        code(roughness_map),
+        normal_map,
+        emission_map,
+        0.0,
+        f32::from_bits(first_row),
+        glass_ior,
+    ]
+}
+
+/// Returns the two rows of [`Buffers::material_extensions`].
+fn extension_rows(material: &scene::Material) -> [[f32; 8]; 2] {
+    let extras = &material.extras;
+    let f0 = match material.kind {
+        MaterialKind::MetalRough { ior, .. } => metal_rough::normal_reflectance(ior),
+        _ => 0.0,
+    };
+    let [r, g, b] = (extras.specular_color * f0).min(Vec3::ONE).to_array().map(|x| x * extras.specular);
+    let [red, green, blue] = extras.attenuation.map_or(Vec3::ZERO, |it| it.coefficient()).to_array();
+    let coat_alpha = extras.clearcoat_roughness * extras.clearcoat_roughness;
+    [
+        [extras.transmission, red, green, blue, 0.0, 0.0, 0.0, 0.0],
+        [r, g, b, extras.specular, extras.clearcoat, coat_alpha, 0.0, 0.0],
+    ]
+}
+
+/// The tables of the albedo of the rough glass in a scene, by index of refraction, roughness, and whether a
+/// map multiplies it.
+struct GlassTables(Vec<(f32, f32, bool)>);
+
+impl GlassTables {
+    /// Finds the tables of all rough glass that fills its shape.
+    fn of(scene: &Scene) -> Self {
+        let mut tables = Vec::new();
+        for table in scene.materials.iter().filter_map(Self::key) {
+            if table.0 > 0.0 && !tables.contains(&table) {
+                tables.push(table);
+            }
+        }
+        Self(tables)
+    }
+    fn key(material: &scene::Material) -> Option<(f32, f32, bool)> {
+        let (ior, roughness) = rough_glass(material)?;
+        Some((ior, roughness, material.roughness_map.is_some()))
+    }
+    /// Returns the index of the first row of the material's table, or 0, and its index of refraction, negated
+    /// for thin glass, or 1.
+    fn entry(&self, material: &scene::Material) -> (u32, f32) {
+        let key = Self::key(material);
+        let table = self.0.iter().position(|known| Some(*known) == key).unwrap_or(0);
+        ((table * glass_albedo::ROWS) as u32, key.map_or(1.0, |(ior, ..)| ior))
+    }
+    /// Computes the tables.
+    fn rows(&self) -> Rows {
+        let table = |&(ior, roughness, is_mapped)| glass_albedo::table(ior, roughness, is_mapped);
+        Rows::new(self.0.iter().flat_map(table))
+    }
+}
+
+/// Returns the index of refraction of rough glass, or of the glass in metal-rough, negated for thin glass,
+/// and its roughness.
+fn rough_glass(material: &scene::Material) -> Option<(f32, f32)> {
+    match material.kind {
+        MaterialKind::RoughGlass { roughness, ior, thin } => Some((if thin { -ior } else { ior }, roughness)),
+        MaterialKind::MetalRough { roughness, ior, .. } if material.extras.transmission > 0.0 => {
+            Some((if material.extras.thin { -ior } else { ior }, roughness))
+        }
+        _ => None,
+    }
 }

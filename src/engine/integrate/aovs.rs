@@ -44,9 +44,9 @@ pub enum Plane {
     WeightU,
     /// The barycentric weight of a triangle's third vertex; 0 elsewhere.
     WeightV,
-    /// The width of the lobe, in [0, 1]: alpha (the square of the roughness) for metal and for the metallic
-    /// share of metal-rough, roughness for the fuzzy mirror; 0 for mirrors and glass; 1 for every other
-    /// surface and share, and for pixels without a surface.
+    /// The width of the lobe, in [0, 1]: alpha (the square of the roughness) for metal, rough glass and the
+    /// metallic share of metal-rough, roughness for the fuzzy mirror; 0 for mirrors and glass; 1 for every
+    /// other surface and share, and for pixels without a surface.
     Lobe,
     /// Radiance over albedo for emitters and the environment; −1 for surfaces that scatter and emit, whose
     /// radiance is not known; 0 for every other surface.
@@ -216,7 +216,8 @@ impl Seen {
             let away = zero.lt(material.ns.dot(direction));
             let facing = Vec3::select(away, -material.ns, material.ns);
             let width = material.roughness_or_ior.min(one);
-            let width = L::select(is(MaterialCode::GGX) | is(MaterialCode::FUZZY_MIRROR), width, one);
+            let is_rough = is(MaterialCode::GGX) | is(MaterialCode::ROUGH_GLASS);
+            let width = L::select(is_rough | is(MaterialCode::FUZZY_MIRROR), width, one);
             let width = L::select(is(MaterialCode::MIRROR) | is(MaterialCode::GLASS), zero, width);
             // The dielectric's base is diffuse.
             let metallic = material.transmitted;

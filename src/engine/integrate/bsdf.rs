@@ -4,15 +4,16 @@ use super::context::{has, is_general};
 use super::material::{FacingNormals, MaterialSample};
 use super::queue::Path;
 use crate::buffers::{Features, MaterialCode};
+use crate::kernel::bsdf::layered::Layered;
 use crate::kernel::bsdf::plastic::PlasticView;
-use crate::kernel::bsdf::{self, BsdfEval, BsdfSample, LobeEval, LobeNormals};
-use crate::lane::{Bits, Lane, Mask};
+use crate::kernel::bsdf::{self, BsdfSample, LobeNormals};
+use crate::lane::{Lane, Mask};
 use crate::math::{Ray, Vec3};
 use crate::primitives::Surface;
 use crate::sampling::{PacketValues, dimension};
 
 /// An operation on each lobe; `mask` holds the lanes that have it. Delta lobes may be left out.
-trait LobeVisitor<L: Lane> {
+pub(super) trait LobeVisitor<L: Lane> {
     fn diffuse(&mut self, mask: L::Mask);
     #[inline(always)]
     fn mirror(&mut self, _mask: L::Mask) {}
@@ -22,11 +23,12 @@ trait LobeVisitor<L: Lane> {
     fn fuzzy_mirror(&mut self, mask: L::Mask);
     fn plastic(&mut self, mask: L::Mask);
     fn metal_rough(&mut self, mask: L::Mask);
+    fn rough_glass(&mut self, mask: L::Mask);
 }
 
 /// Visits every lobe that the pipeline has and that some lane of `mask` has.
 #[inline(always)]
-fn visit_lobes<L: Lane, const N: u64>(
+pub(super) fn visit_lobes<L: Lane, const N: u64>(
     material: &MaterialSample<L>,
     mask: L::Mask,
     visitor: &mut impl LobeVisitor<L>,
@@ -48,7 +50,8 @@ fn visit_lobes<L: Lane, const N: u64>(
         GLASS => glass,
         FUZZY_MIRROR => fuzzy_mirror,
         PLASTIC => plastic,
-        METAL_ROUGH => metal_rough
+        METAL_ROUGH => metal_rough,
+        ROUGH_GLASS => rough_glass
     );
 }
 
@@ -142,7 +145,11 @@ fn leave<L: Lane, const N: u64>(
     // on the near side, in every pipeline.
     let side = if has(N, Features::GLASS) {
         let through = surface.offset.copysign(wi.dot(ng));
-        L::select(material.has_lobe(MaterialCode::GLASS, found), through, surface.offset)
+        let mut glass = material.has_lobe(MaterialCode::GLASS, found);
+        if has(N, Features::ROUGH_GLASS) {
+            glass = glass | material.has_lobe(MaterialCode::ROUGH_GLASS, found);
+        }
+        L::select(glass, through, surface.offset)
     } else {
         surface.offset
     };
@@ -159,6 +166,10 @@ fn leaving_point<L: Lane, const N: u64>(
 ) -> Vec3<L> {
     if !has(N, Features::SMOOTH_NORMALS) || !material.has_shading_normal.any() {
         return surface.point;
+    }
+    let mut is_delta = is_delta;
+    if has(N, Features::ROUGH_GLASS) {
+        is_delta = material.has_lobe(MaterialCode::ROUGH_GLASS, L::Mask::splat(true)) | is_delta;
     }
     Vec3::select(is_delta, surface.point, surface.point + material.bulge)
 }
@@ -180,7 +191,7 @@ pub fn follow_delta<L: Lane, const N: u64>(
         let either = bsdf::glass::sample(d, &lobes, outside, material.roughness_or_ior, L::splat(0.5));
         sample.wi = Vec3::select(glass, either.wi, sample.wi);
         sample.weight = L::select(glass, either.weight, sample.weight);
-        color = glass_color(material, glass, ng, sample.wi);
+        color = glass_color(material, (material.roughness_or_ior, glass), ng, sample.wi);
     }
     let refracts = glass & sample.wi.dot(ng).lt(L::zero());
     let ray = leave::<L, N>(surface, material, ng, sample.wi, (found, L::Mask::splat(true)));
@@ -192,10 +203,16 @@ fn sample_mirror<L: Lane>(d: Vec3<L>, lobes: &LobeNormals<L>) -> BsdfSample<L> {
     lobes.raise_sample(bsdf::mirror::sample(d, lobes.specular), |_| L::zero())
 }
 
-/// Returns the colour of glass (the lanes of `mask`) in the sampled direction: thin glass reflects white.
+/// Returns the colour of glass of the index `ior` (the lanes of `mask`) along `wi`: thin glass reflects
+/// white.
 #[inline(always)]
-fn glass_color<L: Lane>(material: &MaterialSample<L>, mask: L::Mask, ng: Vec3<L>, wi: Vec3<L>) -> Vec3<L> {
-    let white = mask & bsdf::glass::is_thin(material.roughness_or_ior) & L::zero().lt(wi.dot(ng));
+pub(super) fn glass_color<L: Lane>(
+    material: &MaterialSample<L>,
+    (ior, mask): (L, L::Mask),
+    ng: Vec3<L>,
+    wi: Vec3<L>,
+) -> Vec3<L> {
+    let white = mask & bsdf::glass::is_thin(ior) & L::zero().lt(wi.dot(ng));
     Vec3::select(white, Vec3::repeat(L::one()), material.color)
 }
 
@@ -227,7 +244,7 @@ impl<L: Lane> Sampling<'_, L> {
     /// Returns a random number that chooses between reflection and transmission.
     #[inline(always)]
     fn lobe_number(&self) -> L {
-        self.numbers.get_1d(dimension::LOBE)
+        self.material.lobe_number(self.numbers)
     }
 }
 
@@ -256,7 +273,7 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
         let FacingNormals { ng, lobes, outside } = self.normals;
         let (ior, number) = (self.material.roughness_or_ior, self.lobe_number());
         let sample = bsdf::glass::sample(self.d, lobes, *outside, ior, number);
-        let color = glass_color(self.material, mask, *ng, sample.wi);
+        let color = glass_color(self.material, (ior, mask), *ng, sample.wi);
         self.take(mask, sample);
         self.color = Vec3::select(mask, color, self.color);
     }
@@ -281,98 +298,22 @@ impl<L: Lane> LobeVisitor<L> for Sampling<'_, L> {
     #[inline(always)]
     fn metal_rough(&mut self, mask: L::Mask) {
         let (number, pair) = (self.lobe_number(), self.two_numbers());
-        let (lobe, weight) = self.material.metal_rough().sample(self.d, &self.normals.lobes, number, pair);
+        let (base, lobes) = (self.material.metal_rough(), &self.normals.lobes);
+        let (lobe, weight) = match self.material.layers {
+            Some(layers) => Layered { base, layers }.sample(self.d, lobes, number, pair),
+            None => base.sample(self.d, lobes, number, pair),
+        };
         self.take(mask, lobe);
         self.color = Vec3::select(mask, weight, self.color);
     }
-}
-
-/// Returns the value of the BSDF, cosine included, for light that arrives from `towards` and leaves against
-/// `d`, and the pdf with which [`scatter`] samples `towards`. Both are zero outside `mask`, below the
-/// surface, and for delta lobes. `plastic` is that of [`ScatteredPath`] at this surface.
-#[inline(always)]
-pub fn evaluate<L: Lane, const N: u64>(
-    d: Vec3<L>,
-    surface: &Surface<L>,
-    (material, plastic): (&MaterialSample<L>, &PlasticView<L>),
-    towards: Vec3<L>,
-    mask: L::Mask,
-) -> BsdfEval<L> {
-    let normals = FacingNormals::new::<N>(d, surface, material);
-    let eval = BsdfEval { value: Vec3::zero(), pdf: L::zero() };
-    let mut evaluation = Evaluation { d, towards, lobes: &normals.lobes, material, plastic, eval };
-    visit_lobes::<L, N>(material, mask, &mut evaluation);
-    evaluation.eval
-}
-
-/// Evaluates each lobe in its lanes.
-struct Evaluation<'a, L: Lane> {
-    d: Vec3<L>,
-    towards: Vec3<L>,
-    lobes: &'a LobeNormals<L>,
-    material: &'a MaterialSample<L>,
-    plastic: &'a PlasticView<L>,
-    eval: BsdfEval<L>,
-}
-
-impl<L: Lane> Evaluation<'_, L> {
     #[inline(always)]
-    fn take(&mut self, mask: L::Mask, lobe: BsdfEval<L>) {
-        self.eval.value = Vec3::select(mask, lobe.value, self.eval.value);
-        self.eval.pdf = L::select(mask, lobe.pdf, self.eval.pdf);
+    fn rough_glass(&mut self, mask: L::Mask) {
+        let FacingNormals { ng, lobes, .. } = self.normals;
+        let (number, (u, v)) = (self.lobe_number(), self.two_numbers());
+        let glass = self.material.rough_glass(self.normals);
+        let sample = glass.sample(self.d, lobes, [number, u, v]);
+        let color = glass_color(self.material, (glass.ior, mask), *ng, sample.wi);
+        self.take(mask, sample);
+        self.color = Vec3::select(mask, color, self.color);
     }
-    /// Evaluates a lobe by [`LobeNormals::fold`].
-    #[inline(always)]
-    fn take_folded(&mut self, mask: L::Mask, color: Vec3<L>, lobe: impl Fn(Vec3<L>) -> LobeEval<L>) {
-        let colored = |wi, _| {
-            let LobeEval { value, pdf } = lobe(wi);
-            BsdfEval { value: color * value, pdf }
-        };
-        self.take(mask, self.lobes.fold(self.towards, Vec3::zero(), colored));
-    }
-}
-
-impl<L: Lane> LobeVisitor<L> for Evaluation<'_, L> {
-    #[inline(always)]
-    fn diffuse(&mut self, mask: L::Mask) {
-        let LobeEval { value, pdf } = bsdf::diffuse::evaluate(self.lobes, self.towards);
-        self.take(mask, BsdfEval { value: self.material.color * value, pdf });
-    }
-    #[inline(always)]
-    fn ggx(&mut self, mask: L::Mask) {
-        let (d, n, alpha) = (self.d, self.lobes.specular, self.material.roughness_or_ior);
-        let color = bsdf::albedo::compensated(self.material.color, d, n, alpha);
-        self.take_folded(mask, color, |wi| bsdf::ggx::evaluate(d, n, alpha, wi));
-    }
-    #[inline(always)]
-    fn fuzzy_mirror(&mut self, mask: L::Mask) {
-        let (d, n, roughness) = (self.d, self.lobes.specular, self.material.roughness_or_ior);
-        let lobe = |wi| bsdf::fuzzy_mirror::evaluate(d, n, roughness, wi);
-        self.take_folded(mask, self.material.color, lobe);
-    }
-    #[inline(always)]
-    fn plastic(&mut self, mask: L::Mask) {
-        let plastic = self.material.plastic();
-        self.take(mask, plastic.evaluate(self.plastic, self.d, self.lobes, self.towards));
-    }
-    #[inline(always)]
-    fn metal_rough(&mut self, mask: L::Mask) {
-        self.take(mask, self.material.metal_rough().evaluate(self.d, self.lobes, self.towards));
-    }
-}
-
-/// Returns the lanes with a lobe that is worth light sampling, which is neither a delta lobe nor too narrow;
-/// unspecified in lanes that hit nothing.
-#[inline(always)]
-pub fn has_sampled_lobe<L: Lane, const N: u64>(material: &MaterialSample<L>) -> L::Mask {
-    let has_lobe = |kind: u32| material.kind.equals(L::Bits::splat(kind));
-    let wide = |least: f32| L::splat(least).le(material.roughness_or_ior);
-    let mut sampled = has_lobe(MaterialCode::DIFFUSE)
-        | has_lobe(MaterialCode::PLASTIC)
-        | (has_lobe(MaterialCode::GGX) & !bsdf::ggx::is_narrow(material.roughness_or_ior))
-        | (has_lobe(MaterialCode::FUZZY_MIRROR) & wide(bsdf::fuzzy_mirror::NARROW));
-    if has(N, Features::METAL_ROUGH) {
-        sampled = sampled | has_lobe(MaterialCode::METAL_ROUGH);
-    }
-    sampled
 }

@@ -4,8 +4,10 @@ use super::context::TraceContext;
 use super::context::{abilities, has, is_general, reads_texels_first};
 use super::queue::Path;
 use crate::buffers::{Features, MaterialCode};
+use crate::kernel::bsdf::layered::Layers;
 use crate::kernel::bsdf::metal_rough::MetalRough;
 use crate::kernel::bsdf::plastic::Plastic;
+use crate::kernel::bsdf::rough_glass::RoughGlass;
 use crate::kernel::bsdf::{Horizon, LobeNormals, ggx};
 use crate::kernel::normals;
 use crate::kernel::ray_cone::Cone;
@@ -13,6 +15,7 @@ use crate::kernel::texture::{TexturePoint, srgb_to_linear};
 use crate::lane::{Bits, Lane, Mask};
 use crate::math::Vec3;
 use crate::primitives::Surface;
+use crate::sampling::{PacketValues, dimension};
 use crate::scene::TexelKind;
 
 /// The materials of a packet of surfaces, with textures applied.
@@ -20,12 +23,13 @@ pub struct MaterialSample<L: Lane> {
     /// One of [`MaterialCode`]'s kinds.
     pub kind: L::Bits,
     pub color: Vec3<L>,
-    /// The alpha of rough metal, plastic and metal-rough, the roughness of fuzzy mirrors, or the refractive
-    /// index of glass (negated: thin glass).
+    /// The alpha of rough metal, plastic, metal-rough and rough glass, the roughness of fuzzy mirrors, or the
+    /// refractive index of glass (negated: thin glass).
     pub roughness_or_ior: L,
     pub emission: Vec3<L>,
     /// Plastic's index of refraction, and the share of light that its coat transmits. For metal-rough, the
-    /// dielectric's reflectance at normal incidence, and the metallic share.
+    /// dielectric's reflectance at normal incidence, and the metallic share. For rough glass, its index of
+    /// refraction (negated: thin glass), and the factor of [`super::glass::resolve`].
     pub ior: L,
     pub transmitted: L,
     /// The unit shading normal on the side of the geometric one; the geometric normal itself unless
@@ -35,6 +39,11 @@ pub struct MaterialSample<L: Lane> {
     pub has_shading_normal: L::Mask,
     /// The interpolated normal, without the normal map; the geometric one if vertices have no normals.
     pub interpolated: Vec3<L>,
+    /// The reflectances and the clear coat of metal-rough, if some material has others than metal-rough
+    /// alone.
+    pub layers: Option<Layers<L>>,
+    /// What is left of the number that chose between the parts of a mixture; `None` if there is no mixture.
+    pub choice: Option<L>,
     /// The vector from the hit to the smooth surface, if normals are interpolated: see [`normals::bulge`].
     pub bulge: Vec3<L>,
 }
@@ -77,6 +86,8 @@ impl<L: Lane> MaterialSample<L> {
             ns: surface.ng,
             has_shading_normal: L::Mask::splat(false),
             interpolated: surface.ng,
+            layers: None,
+            choice: None,
             bulge: Vec3::zero(),
         };
         if has(N, Features::SMOOTH_NORMALS) && context.buffers.needs.contains(Features::SMOOTH_NORMALS) {
@@ -94,6 +105,12 @@ impl<L: Lane> MaterialSample<L> {
             if has(N, Features::EMISSION_MAPS) {
                 emission_map = emission.to_bits();
             }
+        }
+        if has(N, Features::LAYERS) && context.buffers.needs.contains(Features::LAYERS) {
+            let second = index.shl(1) | L::Bits::splat(1);
+            let [r, g, b, f90, coat, coat_alpha, ..] =
+                context.buffers.material_extensions.fetch::<L>(second, false);
+            material.layers = Some(Layers { f0: Vec3::new(r, g, b), f90, coat, coat_alpha });
         }
         if Features(N).meets(TEXTURED) && !reads_texels_first(N) {
             let texture = code.shr(MaterialCode::TEXTURE_SHIFT);
@@ -123,6 +140,18 @@ impl<L: Lane> MaterialSample<L> {
     pub fn metal_rough(&self) -> MetalRough<L> {
         let Self { color, roughness_or_ior: alpha, ior: f0, transmitted: metallic, .. } = *self;
         MetalRough { color, alpha, f0, metallic }
+    }
+
+    /// Returns a random number that chooses between the lobes of the material.
+    #[inline(always)]
+    pub fn lobe_number(&self, numbers: &PacketValues<L>) -> L {
+        self.choice.unwrap_or_else(|| numbers.get_1d(dimension::LOBE))
+    }
+    /// Returns rough glass seen from the side of `normals`.
+    #[inline(always)]
+    pub fn rough_glass(&self, normals: &FacingNormals<L>) -> RoughGlass<L> {
+        let Self { roughness_or_ior: alpha, ior, transmitted: compensation, .. } = *self;
+        RoughGlass { alpha, ior, compensation, outside: normals.outside, ng: normals.ng }
     }
 
     /// Multiplies colours by textures; `code` is index + 1, 0 for none.
@@ -302,7 +331,8 @@ pub fn scattered_cone<L: Lane>(
     let lobe = L::select(is_base, one, material.roughness_or_ior.min(one));
     let lobe = L::select(is_delta, zero, lobe);
     // Refraction at a sphere bends otherwise.
-    let curvature = L::select(is(MaterialCode::GLASS), zero, surface.curvature().flip_sign(surface.facing));
+    let glass = is(MaterialCode::GLASS) | is(MaterialCode::ROUGH_GLASS);
+    let curvature = L::select(glass, zero, surface.curvature().flip_sign(surface.facing));
     path.cone.scattered(surface.cone_width, surface.facing, curvature, lobe)
 }
 

@@ -5,6 +5,7 @@ use super::bsdf::{ScatteredPath, scatter};
 use super::context::TraceContext;
 use super::context::{ends_missed, has, reads_texels_first};
 use super::emission::{missed_radiance, surface_radiance};
+use super::glass;
 use super::intersect::Intersected;
 use super::material::scattered_cone;
 use super::material::{MaterialSample, texel_indices};
@@ -50,7 +51,7 @@ pub fn shade<L: Lane, const N: u64, const FIRST: bool>(
         texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
     for at in paths.clone().step_by(L::WIDTH) {
-        let path = context.path::<L, N, FIRST>(&scratch.queue, at);
+        let mut path = context.path::<L, N, FIRST>(&scratch.queue, at);
         let SegmentEnds { hit, active, found, mut radiance } =
             SegmentEnds::of::<N, FIRST>(context, &scratch.queue, at..paths.end, &path);
         if (FIRST || !ends_missed(N)) && !found.any() {
@@ -58,7 +59,8 @@ pub fn shade<L: Lane, const N: u64, const FIRST: bool>(
             continue;
         }
         let surface = context.surface::<_, N>(&path, &hit, found);
-        let material = material_of::<L, N>(context, scratch, at, &surface, found);
+        attenuate::<L, N>(context, &mut path, &hit, &surface, found);
+        let mut material = material_of::<L, N>(context, scratch, at, &surface, found);
         if has(N, Features::EMISSION) {
             let emitted = surface_radiance::<L, N, FIRST>(&path, &surface, &material);
             radiance = Vec3::select(found, emitted, radiance);
@@ -70,6 +72,9 @@ pub fn shade<L: Lane, const N: u64, const FIRST: bool>(
         } else {
             values.at_keys(path.key)
         };
+        if has(N, Features::ROUGH_GLASS) && context.buffers.needs.contains(Features::ROUGH_GLASS) {
+            glass::resolve(context, (&path, numbers), &surface, &mut material, found);
+        }
         let mut scattered = scatter::<L, N>(&path, &surface, &material, numbers, found);
         if context.carries_cones::<N>() {
             scattered.path.cone = scattered_cone(&path, &surface, &material, scattered.is_delta);
@@ -112,11 +117,12 @@ pub fn shade_last<L: Lane, const N: u64, const FIRST: bool>(
         texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
     for at in paths.clone().step_by(L::WIDTH) {
-        let path = context.path::<L, N, FIRST>(&scratch.queue, at);
+        let mut path = context.path::<L, N, FIRST>(&scratch.queue, at);
         let SegmentEnds { hit, active, found, mut radiance } =
             SegmentEnds::of::<N, FIRST>(context, &scratch.queue, at..paths.end, &path);
         if has(N, Features::EMISSION) && found.any() {
             let surface = context.surface::<_, N>(&path, &hit, found);
+            attenuate::<L, N>(context, &mut path, &hit, &surface, found);
             let material = material_of::<L, N>(context, scratch, at, &surface, found);
             let emitted = surface_radiance::<L, N, FIRST>(&path, &surface, &material);
             radiance = Vec3::select(found, emitted, radiance);
@@ -135,6 +141,20 @@ fn correct_triangles<L: Lane, const N: u64, const FIRST: bool>(
 ) {
     if has(N, Features::TRIANGLES) && !context.primitives.triangles.are_parallel {
         correct_hits::<L, N, FIRST>(context, scratch, paths.clone());
+    }
+}
+
+/// Applies [`glass::attenuate`] in scenes with glass that absorbs light.
+#[inline(always)]
+fn attenuate<L: Lane, const N: u64>(
+    context: &TraceContext,
+    path: &mut Path<L>,
+    hit: &Hit<L>,
+    surface: &Surface<L>,
+    found: L::Mask,
+) {
+    if has(N, Features::TRANSMISSION) && context.buffers.needs.contains(Features::TRANSMISSION) {
+        glass::attenuate(context, path, hit.t, surface, found);
     }
 }
 

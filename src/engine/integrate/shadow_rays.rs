@@ -1,14 +1,15 @@
 //! Next event estimation: traces shadow rays to sampled points of the lights.
 
-use super::bsdf::{ScatteredPath, evaluate, has_sampled_lobe};
+use super::bsdf::ScatteredPath;
 use super::context::TraceContext;
 use super::context::has;
 use super::emission::{mis_weight, sky_radiance};
+use super::evaluation::{evaluate, has_sampled_lobe};
 use super::material::{MaterialSample, scattered_cone};
 use super::queue::{Path, ShadowQueue, ShadowRay};
 use super::scratch::Scratch;
 use super::stats::{RayKind, Stage};
-use crate::buffers::Features;
+use crate::buffers::{Features, MaterialCode};
 use crate::kernel::ray_cone::Cone;
 use crate::lane::{Lane, Mask};
 use crate::math::{Hit, Ray, Vec3};
@@ -56,16 +57,18 @@ pub fn sample_direct_light<L: Lane, const N: u64>(
     let (lights, (u, v)) = (&context.lights, numbers.get_2d(dimension::LIGHT_POINT));
     // Lights below the horizon add nothing.
     let n = material.interpolated.flip_sign(-path.ray.direction.dot(surface.ng));
+    let side = LitSide::<L>::choose::<N>(at);
+    let n = side.flip(n);
     let (light, u) = lights.choose::<L, N>((surface.point, n), u, numbers);
     // The origin of scattered rays, so that BSDF sampling of the same direction has the same light pdf.
-    let origin = scattered.offset_origin;
+    let origin = side.origin(scattered.offset_origin, at);
     let sample = lights.sample::<L, N>(&light, origin, (u, v), mask);
     let emission = emission::<L, N>(context, at, &light, &sample);
 
     let lobes = (material, &scattered.plastic);
     let bsdf = evaluate::<L, N>(path.ray.direction, surface, lobes, sample.wi, mask);
     let mut pdf = light.probability * sample.pdf;
-    let mut possible = mask & L::zero().lt(pdf);
+    let mut possible = side.holds(sample.wi, at, mask) & L::zero().lt(pdf);
     if has(N, Features::PORTALS) && lights.mixes_sky() {
         // Other portals, or the whole sky, may sample the same direction: the pdf is that of their mixture.
         let of_sky = lights.sky_pdf::<L, N>(origin, sample.wi).unwrap_or(L::zero());
@@ -80,7 +83,7 @@ pub fn sample_direct_light<L: Lane, const N: u64>(
         bsdf_pdf = L::select(light.is_delta(), L::zero(), bsdf_pdf);
     }
     let weight = mis_weight(inv_pdf, bsdf_pdf);
-    let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf * light.weight);
+    let radiance = path.throughput * bsdf.value * emission * (weight * inv_pdf * side.weight(light.weight));
     let carries = possible & !(radiance.x + radiance.y + radiance.z).eq(L::zero());
     if !carries.any() {
         return count;
@@ -93,6 +96,51 @@ pub fn sample_direct_light<L: Lane, const N: u64>(
         scratch.shadow_queue.store_light(count, carries, light.index, scattered_cones::<L, N>(context, at));
     }
     count + carries.count()
+}
+
+/// The side of surfaces on which lights are chosen. Rough glass is lit from both, but the choice among lights
+/// depends on the normal, and lights below its horizon have no probability: half of the choices are for the
+/// far side, and only light from the chosen side counts, twice.
+struct LitSide<L: Lane> {
+    /// The lanes with rough glass, and those in which the far side is chosen; `None` if no lane has any.
+    rough_glass: Option<(L::Mask, L::Mask)>,
+}
+
+impl<L: Lane> LitSide<L> {
+    #[inline(always)]
+    fn choose<const N: u64>(at: &Scattering<L>) -> Self {
+        let glass = match has(N, Features::ROUGH_GLASS) {
+            true => at.material.has_lobe(MaterialCode::ROUGH_GLASS, at.found),
+            false => L::Mask::splat(false),
+        };
+        let rough_glass = glass.any().then(|| {
+            let number = at.material.lobe_number(at.numbers);
+            (glass, glass & number.lt(L::splat(0.5)))
+        });
+        Self { rough_glass }
+    }
+    #[inline(always)]
+    fn flip(&self, n: Vec3<L>) -> Vec3<L> {
+        self.rough_glass.map_or(n, |(_, far)| Vec3::select(far, -n, n))
+    }
+    /// Returns the origins of shadow rays; `near` are those on the side of the ray.
+    #[inline(always)]
+    fn origin(&self, near: Vec3<L>, at: &Scattering<L>) -> Vec3<L> {
+        let Some((_, far)) = self.rough_glass else { return near };
+        let ng = at.surface.ng.flip_sign(at.path.ray.direction.dot(at.surface.ng));
+        Vec3::select(far, ng.mul_add(at.surface.offset, at.surface.point), near)
+    }
+    /// Returns the lanes of `mask` in which light along `wi` is from the chosen side.
+    #[inline(always)]
+    fn holds(&self, wi: Vec3<L>, at: &Scattering<L>, mask: L::Mask) -> L::Mask {
+        let Some((glass, far)) = self.rough_glass else { return mask };
+        let ng = at.surface.ng.flip_sign(-at.path.ray.direction.dot(at.surface.ng));
+        mask & (!glass | (far ^ L::zero().lt(wi.dot(ng))))
+    }
+    #[inline(always)]
+    fn weight(&self, weight: L) -> L {
+        self.rough_glass.map_or(weight, |(glass, _)| L::select(glass, weight + weight, weight))
+    }
 }
 
 /// Returns the light's radiance, or 1 if its hit decides: see [`ChosenLight::emission`]. The radiance of the

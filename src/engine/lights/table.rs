@@ -176,7 +176,7 @@ fn raised_shares(mut shares: Vec<f64>) -> Vec<f64> {
 fn anything_scatters(scene: &Scene) -> bool {
     scene.materials.iter().any(|material| match material.kind {
         MaterialKind::Emitter | MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } => false,
-        MaterialKind::Metal { roughness } => roughness > 0.0,
+        MaterialKind::Metal { roughness } | MaterialKind::RoughGlass { roughness, .. } => roughness > 0.0,
         MaterialKind::Diffuse | MaterialKind::FuzzyMirror { .. } => true,
         MaterialKind::Plastic { .. } | MaterialKind::MetalRough { .. } => true,
     })

@@ -1,6 +1,7 @@
 //! Materials.
 
 use super::texture::{Texture, Wrap};
+use crate::math::portable;
 use glam::Vec3;
 
 /// The way in which a surface scatters and emits light.
@@ -26,6 +27,63 @@ pub struct Material {
     pub emission: Vec3,
     /// The map that multiplies `emission`; none for an [`MaterialKind::Emitter`], whose `texture` does.
     pub emission_map: Option<u32>,
+    /// Parameters that few materials have.
+    pub extras: MaterialExtras,
+}
+
+/// The parameters of glTF's extensions of materials. All but `attenuation` are of
+/// [`MaterialKind::MetalRough`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialExtras {
+    /// The share, in [0, 1], of the dielectric that is glass of the same roughness and index, instead of its
+    /// diffuse base: thin glass of `color`, or else glass that tints light by the root of `color` where it
+    /// enters and where it leaves.
+    pub transmission: f32,
+    /// Whether that glass is thin.
+    pub thin: bool,
+    /// The absorption of the glass that the surface encloses; none if it is thin or emits.
+    pub attenuation: Option<Attenuation>,
+    /// The factor of the dielectric's reflectance, in [0, 1].
+    pub specular: f32,
+    /// The tint of the dielectric's reflectance at normal incidence, which stays at most 1; each channel ≥ 0.
+    pub specular_color: Vec3,
+    /// The share of the surface under a clear coat of the index 1.5, in [0, 1].
+    pub clearcoat: f32,
+    /// The roughness of the clear coat, in [0, 1].
+    pub clearcoat_roughness: f32,
+}
+
+impl Default for MaterialExtras {
+    fn default() -> Self {
+        let (specular, specular_color) = (1.0, Vec3::ONE);
+        let (clearcoat, clearcoat_roughness) = (0.0, 0.0);
+        let (transmission, thin, attenuation) = (0.0, false, None);
+        Self { transmission, thin, attenuation, specular, specular_color, clearcoat, clearcoat_roughness }
+    }
+}
+
+impl MaterialExtras {
+    /// Tests whether the reflection differs from that of metal-rough alone.
+    pub fn reflects_otherwise(&self) -> bool {
+        self.specular != 1.0 || self.specular_color != Vec3::ONE || self.clearcoat > 0.0
+    }
+}
+
+/// The absorption of a volume (Beer and Lambert): `color`, each channel in [0, 1], is what is left of white
+/// light after `distance` > 0 in scene units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)] // The text above explains both.
+pub struct Attenuation {
+    pub color: Vec3,
+    pub distance: f32,
+}
+
+impl Attenuation {
+    /// Returns the absorption coefficient σ of each channel: exp(−σ t) is left after the distance t. A
+    /// channel of 0 counts as 10⁻⁶.
+    pub fn coefficient(&self) -> Vec3 {
+        self.color.map(|x| (-portable::log(f64::from(x).max(1e-6)) / f64::from(self.distance)) as f32)
+    }
 }
 
 impl Material {
@@ -40,6 +98,7 @@ impl Material {
             normal_map: None,
             emission: Vec3::ZERO,
             emission_map: None,
+            extras: MaterialExtras::default(),
         }
     }
     /// Tests whether the material emits light.
@@ -49,6 +108,12 @@ impl Material {
     /// Tests whether all textures of the material, which are in this list, repeat in both directions.
     pub fn repeats(&self, textures: &[Texture]) -> bool {
         self.textures().all(|index| textures[index as usize].wrap == [Wrap::Repeat; 2])
+    }
+    /// Tests whether light goes through the surface.
+    pub fn is_clear(&self) -> bool {
+        use MaterialKind::{Glass, RoughGlass, ThinGlass};
+        matches!(self.kind, Glass { .. } | ThinGlass { .. } | RoughGlass { .. })
+            || self.extras.transmission > 0.0
     }
     /// Iterates over all textures of the material.
     pub fn textures(&self) -> impl Iterator<Item = u32> {
@@ -63,6 +128,7 @@ impl MaterialKind {
             Self::Metal { roughness } | Self::Plastic { roughness, .. } | Self::FuzzyMirror { roughness } => {
                 roughness > 0.0
             }
+            Self::RoughGlass { roughness, .. } => roughness > 0.0,
             // The map holds the metallic share too.
             Self::MetalRough { .. } => true,
             Self::Diffuse | Self::Glass { .. } | Self::ThinGlass { .. } | Self::Emitter => false,
@@ -85,6 +151,9 @@ pub enum MaterialKind {
     /// A pane of glass without thickness, which reflects as both its surfaces together, and transmits the
     /// rest, times `color`, straight on. `ior` > 0.
     ThinGlass { ior: f32 },
+    /// Glass of GGX facets with alpha = roughness². Each facet of a `thin` pane reflects as thin glass, and
+    /// its transmitted light is scattered as much as the reflected one. Roughness in (0, 1], `ior` > 0.
+    RoughGlass { roughness: f32, ior: f32, thin: bool },
     /// The fuzzy mirror, the lobe of the thesis: direction = normalize(reflected + roughness · u), u uniform
     /// on the unit sphere; absorbed if it points below the surface. Roughness ≥ 0.
     FuzzyMirror { roughness: f32 },

@@ -285,6 +285,10 @@ impl SceneBuilder {
         if let Some((what, mend)) = portal::too_many(&self.scene) {
             return Err(SceneError::new(what).mend(mend));
         }
+        let unit = self.scene.coordinates.unit;
+        for attenuation in self.scene.materials.iter_mut().filter_map(|it| it.extras.attenuation.as_mut()) {
+            attenuation.distance = (f64::from(attenuation.distance) / unit) as f32;
+        }
         self.colors.lay_out(&mut self.textures.list, &mut self.scene.uvs)?;
         std::mem::take(&mut self.textures.left_out).into_iter().for_each(|what| self.warn(what));
         if sky.is_black() && !self.scene.emits() {

@@ -5,6 +5,7 @@
 
 use super::error::SceneError;
 use super::files::Files;
+use super::material_extras;
 use super::native::FORMAT;
 use super::write::{camera, number, placed, relative, vector};
 use super::{model, vertex_colors};
@@ -208,6 +209,9 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
         MaterialKind::Metal { roughness } => ("metal", vec![("roughness", roughness)]),
         MaterialKind::FuzzyMirror { roughness } => ("scatter", vec![("roughness", roughness)]),
         MaterialKind::Glass { ior } | MaterialKind::ThinGlass { ior } => ("glass", vec![("ior", ior)]),
+        MaterialKind::RoughGlass { roughness, ior, .. } => {
+            ("glass", vec![("roughness", roughness), ("ior", ior)])
+        }
         MaterialKind::Plastic { roughness, ior } => ("plastic", vec![("roughness", roughness), ("ior", ior)]),
         MaterialKind::MetalRough { roughness, metallic, ior } => {
             ("metal-rough", vec![("roughness", roughness), ("metallic", metallic), ("ior", ior)])
@@ -218,8 +222,11 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
     let mut keys: Map<String, Value> = numbers.collect();
     let mut set = |key: &str, value: Value| keys.insert(key.to_string(), value);
     set("type", json!(kind));
-    if matches!(material.kind, MaterialKind::ThinGlass { .. }) {
+    if matches!(material.kind, MaterialKind::ThinGlass { .. } | MaterialKind::RoughGlass { thin: true, .. }) {
         set("thin", json!(true));
+    }
+    for (key, value) in material_extras::keys(&material.extras, scene.coordinates.unit) {
+        set(key, value);
     }
     if material.kind != MaterialKind::Emitter {
         set("color", channels(material.color));

@@ -13,7 +13,7 @@ const MOST_NESTED: usize = 1_000;
 pub fn note_glass_in_glass(builder: &mut SceneBuilder, place: &JsonPath) {
     let SceneBuilder { scene, notes, .. } = builder;
     let ior_of = |sphere: &Sphere| match scene.materials[sphere.material as usize].kind {
-        MaterialKind::Glass { ior } => Some(ior),
+        MaterialKind::Glass { ior } | MaterialKind::RoughGlass { ior, thin: false, .. } => Some(ior),
         _ => None,
     };
     let glass = scene.spheres.iter().enumerate().filter(|(_, sphere)| ior_of(sphere).is_some());

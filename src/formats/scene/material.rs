@@ -3,6 +3,7 @@
 use super::builder::SceneBuilder;
 use super::error::SceneError;
 use super::json::JsonPath;
+use super::material_extras;
 use super::native::{FilterFile, MaterialFile, SkyFile, WrapFile, WrapsFile};
 use super::spelling::did_you_mean;
 use super::texture::Lookup;
@@ -14,7 +15,7 @@ const MIN_TEXTURE_SIZE: f64 = MIN_LENGTH;
 
 const TYPES: [&str; 7] = ["diffuse", "metal", "plastic", "metal-rough", "glass", "scatter", "emitter"];
 /// The types that have a roughness.
-const ROUGH: &[&str] = &["metal", "plastic", "metal-rough", "scatter"];
+const ROUGH: &[&str] = &["metal", "plastic", "metal-rough", "glass", "scatter"];
 /// All types but `emitter`.
 const SCATTERING: &[&str] = &["diffuse", "metal", "plastic", "metal-rough", "glass", "scatter"];
 
@@ -39,8 +40,11 @@ pub fn material(
             metallic: place.key("metallic").fraction(file.metallic.unwrap_or(1.0))?,
             ior: ior()?,
         },
-        "glass" if file.thin == Some(true) => MaterialKind::ThinGlass { ior: ior()? },
-        "glass" => MaterialKind::Glass { ior: ior()? },
+        "glass" => match (roughness()?, file.thin == Some(true)) {
+            (0.0, false) => MaterialKind::Glass { ior: ior()? },
+            (0.0, true) => MaterialKind::ThinGlass { ior: ior()? },
+            (roughness, thin) => MaterialKind::RoughGlass { roughness, ior: ior()?, thin },
+        },
         "scatter" => {
             MaterialKind::FuzzyMirror { roughness: place.key("roughness").not_negative(stated_roughness)? }
         }
@@ -67,6 +71,7 @@ pub fn material(
         normal_map: load("normal_map", &file.normal_map, TexelKind::Data)?,
         emission,
         emission_map: load("emission_map", &file.emission_map, TexelKind::Color)?,
+        extras: material_extras::read(file, emission, place)?,
         ..Material::new(name, kind, color)
     };
     let texture_size = match file.texture_size {
@@ -80,15 +85,20 @@ pub fn material(
     Ok(builder.add_material(material, texture_size))
 }
 
-const NOT_ROUGH: &str = "remove it, or make the type `metal`, `plastic`, `metal-rough` or `scatter`";
+const NOT_ROUGH: &str = "remove it, or make the type `metal`, `plastic`, `glass`, `metal-rough` or `scatter`";
 const NOT_EMISSION: &str = "make it the `texture`, which multiplies the emission of an emitter";
 const NOT_COLOR: &str = "remove it: an emitter scatters nothing; its light is `emission`";
+/// The types that may let light through, and those with layers.
+const TRANSMITTING: &[&str] = &["glass", "metal-rough"];
+const LAYERED: &[&str] = &["metal-rough"];
+const NOT_CLEAR: &str = "remove it, or make the type `glass`";
+const NOT_LAYERED: &str = "remove it, or make the type `metal-rough`";
 const NO_INDEX: &str = "remove it, or make the type `glass`, `plastic` or `metal-rough`";
 
 /// A key that some types lack, the types that have it, the remedy for the others, and whether it is there.
 type Rule = (&'static str, &'static [&'static str], &'static str, fn(&MaterialFile) -> bool);
 
-const RULES: [Rule; 8] = [
+const RULES: [Rule; 15] = [
     ("roughness", ROUGH, NOT_ROUGH, |file| file.roughness.is_some()),
     ("roughness_map", ROUGH, NOT_ROUGH, |file| file.roughness_map.is_some()),
     ("metallic", &["metal-rough"], "remove it, or make the type `metal-rough`", |file| {
@@ -97,7 +107,14 @@ const RULES: [Rule; 8] = [
     ("normal_map", SCATTERING, "remove it: an emitter scatters nothing", |file| file.normal_map.is_some()),
     ("emission_map", SCATTERING, NOT_EMISSION, |file| file.emission_map.is_some()),
     ("ior", &["glass", "plastic", "metal-rough"], NO_INDEX, |file| file.ior.is_some()),
-    ("thin", &["glass"], "remove it, or make the type `glass`", |file| file.thin.is_some()),
+    ("thin", TRANSMITTING, NOT_CLEAR, |file| file.thin.is_some()),
+    ("attenuation_color", TRANSMITTING, NOT_CLEAR, |file| file.attenuation_color.is_some()),
+    ("attenuation_distance", TRANSMITTING, NOT_CLEAR, |file| file.attenuation_distance.is_some()),
+    ("transmission", LAYERED, NOT_LAYERED, |file| file.transmission.is_some()),
+    ("specular", LAYERED, NOT_LAYERED, |file| file.specular.is_some()),
+    ("specular_color", LAYERED, NOT_LAYERED, |file| file.specular_color.is_some()),
+    ("clearcoat", LAYERED, NOT_LAYERED, |file| file.clearcoat.is_some()),
+    ("clearcoat_roughness", LAYERED, NOT_LAYERED, |file| file.clearcoat_roughness.is_some()),
     ("color", SCATTERING, NOT_COLOR, |file| file.color.is_some()),
 ];
 
@@ -110,7 +127,9 @@ pub fn has_key(material_type: &str, key: &str) -> bool {
 /// Tests whether this is a key of materials, by any of its names.
 pub fn is_key(word: &str) -> bool {
     let keys = ["color", "emission", "roughness", "metallic", "ior", "thin", "texture", "normal_map"];
-    keys.contains(&word) || !did_you_mean(word, &keys).is_empty()
+    RULES.iter().any(|(key, ..)| *key == word)
+        || keys.contains(&word)
+        || !did_you_mean(word, &keys).is_empty()
 }
 
 /// Refuses unknown types and keys that do not belong to the type.

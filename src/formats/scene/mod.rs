@@ -23,6 +23,7 @@ mod json;
 mod light;
 mod load;
 mod material;
+mod material_extras;
 mod mesh;
 mod model;
 mod mtl;

@@ -88,7 +88,7 @@ const INSTEAD: [(&str, &str); 7] = [
         "time time0 time1 shutter shutteropen shutterclose motionblur center1 center2",
         "nothing moves in a picture",
     ),
-    ("opacity transparency transmission", "the type `glass` lets light through"),
+    ("opacity transparency", "the type `glass` lets light through"),
     ("samples", "give samples as an option: octray render --samples N"),
     ("seed exposure tone threads sampler integrator", "that is an option: see octray render --help"),
 ];

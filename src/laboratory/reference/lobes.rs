@@ -1,7 +1,8 @@
 //! How materials scatter: the sampled direction and its weight (BSDF · cosine / pdf).
 
+use super::rough_glass;
 use crate::sampling::dimension::{DIRECTION, LOBE};
-use crate::scene::MaterialKind;
+use crate::scene::{MaterialExtras, MaterialKind};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -16,10 +17,11 @@ pub(super) struct Event<'a> {
     /// A direction to evaluate in place of a sampled one: layered lobes then return the BSDF times the cosine
     /// as the weight.
     pub given: Option<DVec3>,
+    pub extras: &'a MaterialExtras,
 }
 
 /// The scattered direction, the path's weight, colour included, and whether the lobe is a delta lobe.
-type Scattered = (DVec3, DVec3, bool);
+pub(super) type Scattered = (DVec3, DVec3, bool);
 
 /// How the light of an event is scattered; `None` where it is absorbed. `rougher` multiplies the material's
 /// roughness.
@@ -77,6 +79,9 @@ pub(super) fn sample(kind: MaterialKind, rougher: f64, color: DVec3, event: Even
             let reflection = raise(reflect(d, n), ng);
             return Some(if reflects { (reflection, DVec3::ONE, true) } else { (d, color, true) });
         }
+        MaterialKind::RoughGlass { roughness, ior, thin } => {
+            return rough_glass::sample(color, ((roughness, rougher), ior, thin), event);
+        }
         MaterialKind::FuzzyMirror { roughness } => {
             let roughness = f64::from(roughness) * rougher;
             is_delta = roughness < NARROWEST_CONE;
@@ -88,9 +93,7 @@ pub(super) fn sample(kind: MaterialKind, rougher: f64, color: DVec3, event: Even
             return plastic(color, (alpha(roughness), f64::from(ior)), event);
         }
         MaterialKind::MetalRough { roughness, metallic, ior } => {
-            let ior = f64::from(ior);
-            let f0 = ((ior - 1.0) / (ior + 1.0)).powi(2);
-            return metal_rough(color, [alpha(roughness), f0, f64::from(metallic)], event);
+            return metal_rough(color, [alpha(roughness), f64::from(ior), f64::from(metallic)], event);
         }
     };
     sample.map(|(towards, weight)| (towards, color * weight, is_delta))
@@ -98,7 +101,8 @@ pub(super) fn sample(kind: MaterialKind, rougher: f64, color: DVec3, event: Even
 
 /// Whether light goes through it.
 pub(super) fn is_glass(kind: MaterialKind) -> bool {
-    matches!(kind, MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. })
+    use MaterialKind::{Glass, RoughGlass, ThinGlass};
+    matches!(kind, Glass { .. } | ThinGlass { .. } | RoughGlass { .. })
 }
 
 /// The normals at a hit, all on the side from which the ray arrives.
@@ -112,9 +116,9 @@ pub(super) struct Normals {
     /// Reflected light stays above its plane, but for delta lobes: the interpolated normal, or `ng`.
     pub horizon: DVec3,
     /// Whether the shading normals differ from the geometric one.
-    has_ns: bool,
+    pub has_ns: bool,
     /// Whether the ray arrives from the side to which the unflipped geometric normal points.
-    outside: bool,
+    pub outside: bool,
 }
 
 impl Normals {
@@ -153,7 +157,7 @@ impl Normals {
 }
 
 /// `w`, mirrored in the plane of `n` if it is below.
-fn raise(w: DVec3, n: DVec3) -> DVec3 {
+pub(super) fn raise(w: DVec3, n: DVec3) -> DVec3 {
     if w.dot(n) < 0.0 { reflect(w, n) } else { w }
 }
 
@@ -162,7 +166,7 @@ pub(super) fn width(kind: MaterialKind, rougher: f64) -> f64 {
     let alpha = |roughness: f32| (f64::from(roughness) * rougher).powi(2);
     match kind {
         MaterialKind::Diffuse => 1.0,
-        MaterialKind::Metal { roughness } => alpha(roughness),
+        MaterialKind::Metal { roughness } | MaterialKind::RoughGlass { roughness, .. } => alpha(roughness),
         MaterialKind::FuzzyMirror { roughness } => (f64::from(roughness) * rougher).min(1.0),
         // Under a smooth coat it is the base.
         MaterialKind::Plastic { roughness, .. } | MaterialKind::MetalRough { roughness, .. } => {
@@ -204,24 +208,40 @@ fn plastic(color: DVec3, (alpha, ior): (f64, f64), event: Event) -> Option<Scatt
     let on_coat = (1.0 - entered) / (1.0 - entered + brightest);
     let fresnel = |cos: f64| DVec3::splat(reflected(ior, cos));
     let lambert = |cos: f64| base * entered * (1.0 - reflected(ior, cos));
-    ggx_over_lambert(event, alpha, on_coat, fresnel, lambert)
+    gloss_over_lambert(event, &[Gloss { alpha, probability: on_coat, fresnel: &fresnel }], lambert)
 }
 
-/// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs`.
-fn metal_rough(color: DVec3, [alpha, f0, metallic]: [f64; 3], event: Event) -> Option<Scattered> {
-    let normal = DVec3::splat((1.0 - metallic) * f0) + color * metallic;
-    let (white, facet_cosine) = albedo(-event.d.dot(event.normals.ns_specular), alpha);
-    let grazing = white * (1.0 - facet_cosine).max(0.0).powi(5);
-    let reflected = |f0: f64| (f0 * white + (1.0 - f0) * grazing) / (1.0 - f0 * (1.0 - white));
+/// glTF's metallic-roughness model: the equations at the head of `kernel/bsdf/metal_rough.rs` and
+/// `kernel/bsdf/layered.rs`.
+fn metal_rough(color: DVec3, [alpha, ior, metallic]: [f64; 3], event: Event) -> Option<Scattered> {
+    let MaterialExtras { specular, specular_color, clearcoat, clearcoat_roughness, .. } = *event.extras;
+    let (f90, share) = (f64::from(specular), f64::from(clearcoat));
+    let f0 = (specular_color.as_dvec3() * ((ior - 1.0) / (ior + 1.0)).powi(2)).min(DVec3::ONE) * f90;
+    let cos_o = -event.d.dot(event.normals.ns_specular);
+    let fifth = |cos: f64| (1.0 - cos).max(0.0).powi(5);
+    let (white, facet_cosine) = albedo(cos_o, alpha);
+    let grazing = white * fifth(facet_cosine);
+    let reflected = |f0: f64, f90: f64| (f0 * (white - grazing) + f90 * grazing) / (1.0 - f0 * (1.0 - white));
+    let coat_alpha = f64::from(clearcoat_roughness).powi(2);
+    let (coat_white, coat_cosine) =
+        if coat_alpha < NARROWEST_ALPHA { (1.0, cos_o) } else { albedo(cos_o, coat_alpha) };
+    let series = share / (1.0 - 0.04 * (1.0 - coat_white));
+    let on_coat = series * coat_white * (0.04 + 0.96 * fifth(coat_cosine));
+    let coat = |cos: f64| DVec3::splat(series * (0.04 + 0.96 * fifth(cos)));
+    let passed = 1.0 - on_coat;
     let fresnel = |cos: f64| {
         let schlick =
-            |f0: DVec3| f0.lerp(DVec3::ONE, (1.0 - cos).max(0.0).powi(5)) / (1.0 - f0 * (1.0 - white));
-        schlick(DVec3::splat(f0)) * (1.0 - metallic) + schlick(color) * metallic
+            |f0: DVec3, f90: f64| f0.lerp(DVec3::splat(f90), fifth(cos)) / (1.0 - f0 * (1.0 - white));
+        (schlick(f0, f90) * (1.0 - metallic) + schlick(color, 1.0) * metallic) * passed
     };
-    let base = color * (1.0 - metallic) * (1.0 - reflected(f0)).max(0.0);
-    let (specular, diffuse) = (reflected(normal.max_element()), base.max_element());
-    let on_specular = specular / (specular + diffuse).max(1e-300);
-    ggx_over_lambert(event, alpha, on_specular, fresnel, |_| base)
+    let base = color * (1.0 - metallic) * (1.0 - reflected(f0.max_element(), f90)).max(0.0);
+    let normal = (f0 * (1.0 - metallic) + color * metallic).max_element();
+    let specular = reflected(normal, f90 * (1.0 - metallic) + metallic);
+    let below = specular + base.max_element();
+    let probability = on_coat / (on_coat + passed * below).max(1e-300);
+    let coat = Gloss { alpha: coat_alpha, probability, fresnel: &coat };
+    let probability = (1.0 - probability) * specular / below.max(1e-300);
+    gloss_over_lambert(event, &[coat, Gloss { alpha, probability, fresnel: &fresnel }], |_| base * passed)
 }
 
 /// E of white GGX at a cosine and the mean cosine at its facets: the fits of the model, at the head of
@@ -243,28 +263,37 @@ pub(super) fn albedo(cos: f64, a: f64) -> (f64, f64) {
     (white, above / below)
 }
 
-/// A GGX lobe of the reflectance `fresnel` at the cosine of the microfacet, sampled with the probability
-/// `on_specular`, over a Lambert base of the reflectance `base` at the cosine of the sampled direction: the
-/// sum, divided by the pdf with which the estimator samples.
-fn ggx_over_lambert(
-    Event { d, normals, number, given }: Event,
+/// A GGX lobe: its reflectance at the cosine of the microfacet, and the probability of sampling it.
+struct Gloss<'a> {
     alpha: f64,
-    on_specular: f64,
-    fresnel: impl Fn(f64) -> DVec3,
+    probability: f64,
+    fresnel: &'a dyn Fn(f64) -> DVec3,
+}
+
+/// GGX lobes over a Lambert base of the reflectance `base` at the cosine of the sampled direction: the sum,
+/// divided by the pdf with which the estimator samples.
+fn gloss_over_lambert(
+    Event { d, normals, number, given, .. }: Event,
+    gloss: &[Gloss],
     base: impl Fn(f64) -> DVec3,
 ) -> Option<Scattered> {
     let Normals { ng, ns_specular: n, ns_diffuse, horizon, .. } = *normals;
-    let (smooth, out) = (alpha < NARROWEST_ALPHA, to_local(-d, n));
+    let out = to_local(-d, n);
+    let mut left = number(LOBE);
+    let chosen = gloss.iter().find(|lobe| {
+        left -= lobe.probability;
+        left < 0.0
+    });
     let towards = if let Some(given) = given {
         given
-    } else if number(LOBE) < on_specular {
+    } else if let Some(&Gloss { alpha, probability, fresnel }) = chosen {
         let (local, weight) = ggx(out, alpha, number(DIRECTION), number(DIRECTION + 1));
         if local.z <= 0.0 {
             return None;
         }
-        if smooth {
+        if alpha < NARROWEST_ALPHA {
             let facet = (local + out).normalize().dot(out);
-            let weight = fresnel(facet) * (weight / on_specular);
+            let weight = fresnel(facet) * (weight / probability);
             return Some((raise(to_world(local, n), ng), weight, true));
         }
         raise(to_world(local, n), horizon)
@@ -274,12 +303,16 @@ fn ggx_over_lambert(
     let fade = normals.fade(towards)?;
     let cosine = towards.dot(ns_diffuse).max(0.0);
     let mut value = base(cosine) * (cosine / PI * fade);
-    let mut pdf = (1.0 - on_specular) * cosine / PI;
+    let mut pdf = (1.0 - gloss.iter().map(|lobe| lobe.probability).sum::<f64>()) * cosine / PI;
     for image in normals.images(towards).into_iter().map(|image| to_local(image, n)) {
-        if !smooth && image.z > 0.0 {
-            let (visible, reflected) = facets(out, image, alpha);
-            value += fresnel((image + out).normalize().dot(out)) * reflected;
-            pdf += on_specular * visible;
+        for &Gloss { alpha, probability, fresnel } in
+            gloss.iter().filter(|lobe| lobe.alpha >= NARROWEST_ALPHA)
+        {
+            if image.z > 0.0 {
+                let (visible, reflected) = facets(out, image, alpha);
+                value += fresnel((image + out).normalize().dot(out)) * reflected;
+                pdf += probability * visible;
+            }
         }
     }
     if given.is_some() {
@@ -311,7 +344,7 @@ pub(super) fn reflect(d: DVec3, n: DVec3) -> DVec3 {
 }
 
 /// The part of unpolarised light that a smooth dielectric reflects; `eta` = n_incident / n_transmitted.
-fn fresnel(eta: f64, cos_i: f64, cos_t: f64) -> f64 {
+pub(super) fn fresnel(eta: f64, cos_i: f64, cos_t: f64) -> f64 {
     let perpendicular = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let parallel = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     0.5 * (perpendicular * perpendicular + parallel * parallel)
@@ -323,19 +356,24 @@ fn fresnel(eta: f64, cos_i: f64, cos_t: f64) -> f64 {
 /// Source: Dupuy, Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023. Weight: Heitz,
 /// "Sampling the GGX Distribution of Visible Normals", JCGT 2018, eq. 19, with height-correlated masking.
 fn ggx(wo: DVec3, alpha: f64, u: f64, v: f64) -> (DVec3, f64) {
-    let stretched = DVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
-    let phi = TAU * v;
-    let z = (1.0 - u) * (1.0 + stretched.z) - stretched.z;
-    let sin = (1.0 - z * z).max(0.0).sqrt();
-    let h = DVec3::new(sin * phi.cos(), sin * phi.sin(), z) + stretched;
-    let m = DVec3::new(alpha * h.x, alpha * h.y, h.z).normalize();
+    let m = visible_normal(wo, alpha, u, v);
     let wi = m * (2.0 * wo.dot(m)) - wo;
     // (1 + Λo) / (1 + Λo + Λi), which is 1 where wo lies in the surface and Λo is infinite.
     (wi, 1.0 / (1.0 + lambda(wi, alpha) / (1.0 + lambda(wo, alpha))))
 }
 
+/// A visible normal of GGX, in the frame of the normal.
+pub(super) fn visible_normal(wo: DVec3, alpha: f64, u: f64, v: f64) -> DVec3 {
+    let stretched = DVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
+    let phi = TAU * v;
+    let z = (1.0 - u) * (1.0 + stretched.z) - stretched.z;
+    let sin = (1.0 - z * z).max(0.0).sqrt();
+    let h = DVec3::new(sin * phi.cos(), sin * phi.sin(), z) + stretched;
+    DVec3::new(alpha * h.x, alpha * h.y, h.z).normalize()
+}
+
 /// Smith's Λ of GGX.
-fn lambda(w: DVec3, alpha: f64) -> f64 {
+pub(super) fn lambda(w: DVec3, alpha: f64) -> f64 {
     let tan2 = (w.x * w.x + w.y * w.y) / (w.z * w.z);
     0.5 * ((1.0 + alpha * alpha * tan2).sqrt() - 1.0)
 }
@@ -351,7 +389,7 @@ fn basis(n: DVec3) -> (DVec3, DVec3) {
     (DVec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), DVec3::new(b, sign + n.y * n.y * a, -n.y))
 }
 
-fn to_world(local: DVec3, n: DVec3) -> DVec3 {
+pub(super) fn to_world(local: DVec3, n: DVec3) -> DVec3 {
     let (tangent, bitangent) = basis(n);
     tangent * local.x + bitangent * local.y + n * local.z
 }

@@ -7,7 +7,7 @@
 //! | `texture` | texture lookup |
 //! | `geometry` | the scene in f64: spheres and triangles, the closest hit, surface points |
 //! | `lights` | lights that are no primitives: what they add at a point, and the discs of suns |
-//! | `lobes` | how materials scatter |
+//! | `lobes`, `rough_glass` | how materials scatter |
 //! | `values` | the BSDF in a given direction |
 //! | [`path`] | how one pixel comes to be: the walk from camera ray to film, with its equations |
 //! | `verdict` | whether a single-precision hit is within its error bound |
@@ -16,6 +16,7 @@ mod geometry;
 mod lights;
 mod lobes;
 pub mod path;
+mod rough_glass;
 mod texture;
 mod values;
 mod verdict;

@@ -35,9 +35,9 @@
 //! engine, on the same random numbers.
 
 use super::geometry::{Reference, Surface};
-use super::{lobes, texture, values};
+use super::{lobes, rough_glass, texture, values};
 use crate::path_vertex::{PathVertex, lobe};
-use crate::sampling::dimension::{LENS, PIXEL, bounce};
+use crate::sampling::dimension::{LENS, LOBE, PIXEL, bounce};
 use crate::sampling::{PixelCoordinates, SampleValues, Sampler};
 use crate::scene::{Lens, Material, MaterialKind, Projection, Side, Sky};
 use glam::DVec3;
@@ -126,6 +126,9 @@ impl Reference {
             let (kind, roughness) = self.mapped_kind(material, &surface, area);
             let ns = self.mapped_normal(material.normal_map, &surface, area).or(surface.ns);
             let normals = lobes::Normals::facing(direction, surface.ng, ns, surface.ns);
+            if cosine < 0.0 {
+                throughput *= rough_glass::left_after(hit.t, &material.extras);
+            }
             // 4. Emission.
             let emitted = throughput * self.emission(material, &surface, area);
             radiance += emitted;
@@ -143,13 +146,22 @@ impl Reference {
             }
             // 5. The scattered ray.
             let color = material.color.as_dvec3() * texel;
+            let (numbers, extras) = (numbers(bounce(b)), &material.extras);
+            let (kind, color, rest) = rough_glass::part(kind, extras, color, numbers(LOBE));
+            let number = |dimension| if dimension == LOBE { rest } else { numbers(dimension) };
             let event =
-                lobes::Event { d: direction, normals: &normals, number: &numbers(bounce(b)), given: None };
-            let bulge = surface.bulge[usize::from(normals.ng != surface.ng)];
+                lobes::Event { d: direction, normals: &normals, number: &number, given: None, extras };
+            let is_glass = lobes::is_glass(kind);
+            let bulge =
+                if is_glass { DVec3::ZERO } else { surface.bulge[usize::from(normals.ng != surface.ng)] };
             if !self.lights.is_empty() {
-                let from = surface.point + bulge + normals.ng * (ORIGIN_OFFSET * surface.scale);
-                let light =
-                    self.direct(from, |w| values::value(kind, roughness, color, event, w)) * throughput;
+                let from = |side: f64| {
+                    let from = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
+                    let is_there = |w: DVec3| !is_glass || w.dot(normals.ng) * side > 0.0;
+                    let value = |w| values::value(kind, roughness, color, event, w);
+                    self.direct(from, |w| if is_there(w) { value(w) } else { DVec3::ZERO })
+                };
+                let light = (from(1.0) + if is_glass { from(-1.0) } else { DVec3::ZERO }) * throughput;
                 radiance += light;
                 let vertex = &mut vertices[b as usize];
                 (vertex.light, vertex.radiance) = (Some(light.into()), radiance.into());

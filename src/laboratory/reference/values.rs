@@ -1,6 +1,7 @@
 //! The BSDF in a given direction, for lights that no path finds by scattering.
 
 use super::lobes::{self, Event, NARROWEST_ALPHA, NARROWEST_CONE, albedo, facets, reflect, to_local};
+use super::rough_glass;
 use crate::scene::MaterialKind;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -40,6 +41,9 @@ pub(super) fn value(kind: MaterialKind, rougher: f64, color: DVec3, event: Event
         }
         MaterialKind::Plastic { .. } | MaterialKind::MetalRough { .. } => {
             lobes::sample(kind, rougher, color, event).map_or(DVec3::ZERO, |(_, value, _)| value)
+        }
+        MaterialKind::RoughGlass { roughness, ior, thin } => {
+            rough_glass::value(color, ((roughness, rougher), ior, thin), event, w)
         }
         MaterialKind::Metal { .. } | MaterialKind::FuzzyMirror { .. } => DVec3::ZERO,
         MaterialKind::Glass { .. } | MaterialKind::ThinGlass { .. } | MaterialKind::Emitter => DVec3::ZERO,

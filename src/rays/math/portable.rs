@@ -5,7 +5,7 @@
 //! library. These are sums and products in a fixed order (the crate `libm`, a translation of musl's). Code
 //! that runs per ray has functions over lanes, in [`crate::lane::functions`].
 
-pub use libm::{atan, cos, hypot, pow, tan};
+pub use libm::{atan, cos, hypot, log, pow, tan};
 
 /// Returns the sine and cosine of an angle in radians.
 pub fn sin_cos(x: f64) -> (f64, f64) {

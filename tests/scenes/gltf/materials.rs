@@ -2,7 +2,9 @@
 
 use super::{Loaded, floats, material, model, pictured, push, put_colours, read_with, square};
 use glam::{DVec3, Vec2, Vec3, vec2, vec3};
-use octray::scene::{Filter, Material, MaterialKind, Scene, Texels, Wrap, convert_model};
+use octray::scene::{
+    Attenuation, Filter, Material, MaterialExtras, MaterialKind, Scene, Texels, Wrap, convert_model,
+};
 use serde_json::{Value, json};
 
 #[test]
@@ -213,28 +215,75 @@ fn glass_is_what_transmits_and_is_no_metal() {
         (scene.materials[0].clone(), scene.warnings)
     };
     let plain = |metallic: f64| json!({ "metallicFactor": metallic, "roughnessFactor": 0, "baseColorTexture": { "index": 0 } });
-    let (glass, _) = of(plain(0.0), &json!({ "transmissionFactor": 0.75 }), 1.5);
-    assert_eq!((glass.kind, glass.texture), (MaterialKind::ThinGlass { ior: 1.5 }, Some(0)));
-    for (transmission, metallic) in [(0.25, 0.0), (1.0, 1.0)] {
-        let (opaque, _) = of(plain(metallic), &json!({ "transmissionFactor": transmission }), 0.0);
-        let metallic = metallic as f32;
-        assert_eq!(opaque.kind, MaterialKind::MetalRough { roughness: 0.0, metallic, ior: 1e6 });
-        assert!(opaque.texture.is_some());
-    }
     // The picture has no blue, so no metal, green in one half, and red in the other.
-    let clear = json!({ "transmissionFactor": 1 });
-    let varied = json!({ "transmissionFactor": 1, "transmissionTexture": { "index": 1 } });
-    for (roughness, transmission, is_glass, warning) in [
-        (0.0, &clear, true, None),
-        (1.0, &clear, true, Some("rough glass is shown smooth")),
-        (0.0, &varied, false, Some("varies over the textures: the surface is shown opaque")),
+    let textured =
+        |roughness: f64| json!({ "roughnessFactor": roughness, "metallicRoughnessTexture": { "index": 0 } });
+    let rough = json!({ "metallicFactor": 0, "roughnessFactor": 0.5 });
+    let varied = |factor: f64| json!({ "transmissionFactor": factor, "transmissionTexture": { "index": 1 } });
+    let clear = |factor: f64| json!({ "transmissionFactor": factor });
+    let [thin, rough_pane] = [
+        MaterialKind::ThinGlass { ior: 1.5 },
+        MaterialKind::RoughGlass { roughness: 0.5, ior: 1.5, thin: true },
+    ];
+    let metal_rough = |roughness, metallic| MaterialKind::MetalRough { roughness, metallic, ior: 1.5 };
+    for (pbr, transmission, kind, share, warnings) in [
+        (plain(0.0), clear(1.0), thin, 0.0, 0),
+        (plain(0.0), clear(0.25), metal_rough(0.0, 0.0), 0.25, 0),
+        (plain(0.25), clear(1.0), metal_rough(0.0, 0.25), 1.0, 0),
+        (plain(1.0), clear(1.0), metal_rough(0.0, 1.0), 0.0, 0),
+        (rough, clear(1.0), rough_pane, 0.0, 0),
+        (textured(0.0), clear(1.0), thin, 0.0, 0),
+        (textured(1.0), clear(1.0), metal_rough(1.0, 1.0), 1.0, 0),
+        (textured(0.0), varied(1.0), metal_rough(0.0, 1.0), 0.5, 1),
     ] {
-        let pbr = json!({ "roughnessFactor": roughness, "metallicRoughnessTexture": { "index": 0 } });
-        let (material, warnings) = of(pbr, transmission, 1.5);
-        assert_eq!(matches!(material.kind, MaterialKind::ThinGlass { .. }), is_glass, "{transmission}");
-        let is_told = warnings.first().map(|found| found.contains(warning.unwrap_or("nothing")));
-        assert_eq!(is_told, warning.map(|_| true), "{warnings:?}");
+        let (material, found) = of(pbr, &transmission, 1.5);
+        assert_eq!((material.kind, material.extras.transmission), (kind, share), "{transmission}");
+        assert_eq!(material.extras.thin, share > 0.0);
+        assert_eq!(found.len(), warnings, "{found:?}");
     }
+}
+
+#[test]
+fn layers_and_absorption_are_read_and_survive_conversion() {
+    let json = model(|json| {
+        let material = &mut json["materials"][0];
+        material["pbrMetallicRoughness"] = json!({ "metallicFactor": 0.1, "roughnessFactor": 0.3 });
+        material["extensions"] = json!({
+            "KHR_materials_specular": { "specularFactor": 0.3, "specularColorFactor": [0.1, 2, 1] },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 0.7, "clearcoatRoughnessFactor": 0.2 },
+            "KHR_materials_transmission": { "transmissionFactor": 0.4 },
+            "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 0.3, "attenuationColor": [1, 0.2, 0.7] }
+        });
+    });
+    let Loaded { scene, folder, path } = read_with(&json, &square()).unwrap();
+    let extras = &scene.materials[0].extras;
+    let expected = MaterialExtras {
+        transmission: 0.4,
+        thin: false,
+        attenuation: Some(Attenuation { color: vec3(1.0, 0.2, 0.7), distance: 0.3 }),
+        specular: 0.3,
+        specular_color: vec3(0.1, 2.0, 1.0),
+        clearcoat: 0.7,
+        clearcoat_roughness: 0.2,
+    };
+    assert_eq!(*extras, expected);
+    let text = convert_model(&path, &folder.path("s.json")).unwrap().text;
+    assert_eq!(folder.load("s.json", text).unwrap().materials, scene.materials);
+    // Distances are scaled with the model, and those of a huge scene are in its units.
+    for scale in [2.0, 1e9] {
+        let bytes =
+            format!(r#"{{ "format": "octray-1", "meshes": [{{ "model": "m.glb", "scale": {scale} }}] }}"#);
+        let scene = folder.load("scaled.json", bytes).unwrap();
+        let distance = f64::from(scene.materials[0].extras.attenuation.unwrap().distance);
+        let wanted = f64::from(0.3_f32) * scale;
+        assert!((distance * scene.coordinates.unit / wanted - 1.0).abs() < 1e-6, "{distance}");
+    }
+    // Blender writes these numbers always.
+    let (plain, scene) = material(|json| {
+        json["extensions"] =
+            json!({ "KHR_materials_specular": { "specularFactor": 1, "specularColorFactor": [1, 1, 1] } });
+    });
+    assert_eq!((plain.extras, scene.warnings.len()), (MaterialExtras::default(), 0));
 }
 
 #[test]

@@ -25,8 +25,13 @@ pub(super) fn dielectric<L: Lane>(eta: L, cos_i: L) -> Fresnel<L> {
     let sin2_t = eta * eta * (cos_i.neg_mul_add(cos_i, L::one()));
     let total = L::one().le(sin2_t);
     let cos_t = (L::one() - sin2_t).max(L::zero()).sqrt();
-    let reflectance = L::splat(0.5) * reflectances(eta, cos_i, cos_t, L::mul_add);
-    Fresnel { reflectance, total, cos_t }
+    Fresnel { reflectance: reflectance(eta, cos_i, cos_t), total, cos_t }
+}
+
+/// Returns the reflected share of unpolarised light from the cosines on both sides.
+#[inline(always)]
+pub(super) fn reflectance<L: Lane>(eta: L, cos_i: L, cos_t: L) -> L {
+    L::splat(0.5) * reflectances(eta, cos_i, cos_t, L::mul_add)
 }
 
 /// Returns the reflected share of unpolarised light in f64, outside an interface of index 1 / `eta` ≥ 1.

@@ -29,7 +29,7 @@ pub const NARROW: f32 = 1.0 / 8192.0;
 
 /// Returns the cosine of wo, made positive: rounding may put a grazing ray on or below the horizon.
 #[inline(always)]
-pub(super) fn cos_o<L: Lane>(d: Vec3<L>, n: Vec3<L>) -> L {
+pub fn cos_o<L: Lane>(d: Vec3<L>, n: Vec3<L>) -> L {
     (-d.dot(n)).max(L::splat(1e-6))
 }
 
@@ -50,16 +50,30 @@ pub fn sample<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> BsdfSamp
 pub(super) fn sample_direction<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> (Vec3<L>, L) {
     let (tangent, bitangent) = warp::orthonormal_basis(n);
     let wo = Vec3::new(-d.dot(tangent), -d.dot(bitangent), cos_o(d, n));
+    let normal = visible_normal(wo, alpha, u, v);
+    let twice = L::splat(2.0) * wo.dot(normal) / normal.dot(normal);
+    let local = normal * twice - wo;
+    (tangent.mul_add(local.x, bitangent.mul_add(local.y, n * local.z)), local.z)
+}
+
+/// Returns a visible unit normal.
+#[inline(always)]
+pub(super) fn sample_normal<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, u: L, v: L) -> Vec3<L> {
+    let (tangent, bitangent) = warp::orthonormal_basis(n);
+    let wo = Vec3::new(-d.dot(tangent), -d.dot(bitangent), cos_o(d, n));
+    let local = visible_normal(wo, alpha, u, v);
+    tangent.mul_add(local.x, bitangent.mul_add(local.y, n * local.z)).normalize()
+}
+
+/// Samples a visible normal, not of unit length, in the frame of the surface's normal.
+#[inline(always)]
+fn visible_normal<L: Lane>(wo: Vec3<L>, alpha: L, u: L, v: L) -> Vec3<L> {
     let stretched = Vec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
     let (sin, cos) = sin_cos_turns(v);
     let z = (L::one() - u).mul_add(L::one() + stretched.z, -stretched.z);
     let radius = z.neg_mul_add(z, L::one()).max(L::zero()).sqrt();
     let half = Vec3::new(radius * cos, radius * sin, z) + stretched;
-    // The visible normal, not of unit length.
-    let normal = Vec3::new(alpha * half.x, alpha * half.y, half.z);
-    let twice = L::splat(2.0) * wo.dot(normal) / normal.dot(normal);
-    let local = normal * twice - wo;
-    (tangent.mul_add(local.x, bitangent.mul_add(local.y, n * local.z)), local.z)
+    Vec3::new(alpha * half.x, alpha * half.y, half.z)
 }
 
 /// Evaluates the lobe; zero below the surface and for narrow lobes.
@@ -97,7 +111,7 @@ pub(super) fn shadowing<L: Lane>(alpha: L, cos_o: L, cos_i: L) -> L {
 ///
 /// Domain: alpha from [`NARROW`] to 1.
 #[inline(always)]
-fn pdf<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, wi: Vec3<L>) -> L {
+pub(super) fn pdf<L: Lane>(d: Vec3<L>, n: Vec3<L>, alpha: L, wi: Vec3<L>) -> L {
     let across = (wi - d).cross(n);
     let cos = cos_o(d, n);
     // Kept above 0: a grazing ray that continues straight ahead has no half vector.

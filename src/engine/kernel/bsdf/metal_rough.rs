@@ -46,15 +46,15 @@ pub fn normal_reflectance(ior: f32) -> f32 {
 
 /// The values that depend on the direction of view and not on that of the light.
 #[derive(Clone, Copy)]
-struct View<L: Lane> {
+pub(super) struct View<L: Lane> {
     /// (1 − m) F(F₀) + m F(a) for h = o, and for h · o = 0.
-    normal: Vec3<L>,
-    grazing: Vec3<L>,
+    pub normal: Vec3<L>,
+    pub grazing: Vec3<L>,
     /// (1 − m) (1 − A).
-    base: L,
+    pub base: L,
     /// The probability of sampling the specular part: its share of the reflected light, by the brightest
     /// channels.
-    specular_probability: L,
+    pub specular_probability: L,
 }
 
 impl<L: Lane> View<L> {
@@ -93,14 +93,22 @@ impl<L: Lane> MetalRough<L> {
         uc: L,
         (u, v): (L, L),
     ) -> (BsdfSample<L>, Vec3<L>) {
-        let n = normals.specular;
-        let view = self.view(d, n);
-        let probability = view.specular_probability;
+        self.sample_view(&self.view(d, normals.specular), d, normals, [uc, u, v])
+    }
+    #[inline(always)]
+    pub(super) fn sample_view(
+        &self,
+        view: &View<L>,
+        d: Vec3<L>,
+        normals: &LobeNormals<L>,
+        [uc, u, v]: [L; 3],
+    ) -> (BsdfSample<L>, Vec3<L>) {
+        let (n, probability) = (normals.specular, view.specular_probability);
         let (specular, cos) = ggx::sample_direction(d, n, self.alpha, u, v);
         let (reflects, smooth) = (uc.lt(probability), ggx::is_narrow(self.alpha));
         let on_base = diffuse::sample(normals, u, v).wi;
         let wi = Vec3::select(reflects, normals.raise(specular, smooth), on_base);
-        let BsdfEval { value, mut pdf } = self.evaluate_view(&view, d, normals, wi);
+        let BsdfEval { value, mut pdf } = self.evaluate_view(view, d, normals, wi);
         let mut weight = value * (L::one() / pdf);
         let delta = reflects & smooth;
         if delta.any() {
@@ -120,7 +128,7 @@ impl<L: Lane> MetalRough<L> {
         self.evaluate_view(&self.view(d, normals.specular), d, normals, wi)
     }
     #[inline(always)]
-    fn evaluate_view(
+    pub(super) fn evaluate_view(
         &self,
         view: &View<L>,
         d: Vec3<L>,

@@ -8,8 +8,9 @@
 //! leaves the surface, towards the light. `n` is the unit normal on the side of wo (n · d < 0). u, v and
 //! `uc`, which chooses between lobes, are uniform in [0, 1).
 //!
-//! Lobes have no colour; the material multiplies it. Only [`plastic`] and [`metal_rough`] hold one, because
-//! their reflection is white, or whiter, over a base that is not.
+//! Lobes have no colour; the material multiplies it. Only [`plastic`], [`metal_rough`] and [`layered`] hold
+//! one, because their reflection is white, or whiter, over a base that is not. [`glass`] and [`rough_glass`]
+//! also transmit: their wi may be on the other side.
 //!
 //! A lobe too narrow for single precision to evaluate its pdf is sampled like any other but counts as a delta
 //! lobe: the pdf of its samples is infinite, and *evaluate* returns zero.
@@ -20,10 +21,13 @@ mod fresnel;
 pub mod fuzzy_mirror;
 pub mod ggx;
 pub mod glass;
+pub mod glass_albedo;
+pub mod layered;
 mod lobe_normals;
 pub mod metal_rough;
 pub mod mirror;
 pub mod plastic;
+pub mod rough_glass;
 
 pub use lobe_normals::{Horizon, LobeNormals};
 

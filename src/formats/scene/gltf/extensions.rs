@@ -5,11 +5,13 @@ use super::super::notes::Notes;
 use serde_json::Value;
 
 /// Extensions that are read.
-pub const READ: [&str; 9] = [
+pub const READ: [&str; 11] = [
     "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_ior",
     "KHR_materials_emissive_strength",
+    "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",

@@ -3,8 +3,11 @@
 //! | glTF | octray |
 //! |---|---|
 //! | metallic-roughness, `KHR_materials_ior` | metal-rough |
-//! | `KHR_materials_transmission` · (1 − metallic) above a half | thin glass of that index and the base colour |
+//! | `KHR_materials_transmission` of 1, of no metal, without textures that vary it | thin glass, smooth or rough, of that index and the base colour |
 //! | also a thickness in `KHR_materials_volume` | glass; its colour is √ base colour, as light enters and leaves |
+//! | other `KHR_materials_transmission` | metal-rough that is partly such glass |
+//! | attenuation in `KHR_materials_volume` | attenuation |
+//! | `KHR_materials_specular`, `KHR_materials_clearcoat` | those of metal-rough |
 //! | emissive factor, texture, `KHR_materials_emissive_strength` | emission and its map |
 //! | `KHR_materials_unlit` | an emitter of the base colour |
 //!
@@ -19,11 +22,8 @@ use super::bytes::Document;
 use super::schema::{Material as MaterialFile, Primitive, Root, TextureInfo, TextureTransform};
 use super::texture::{self, Range};
 use glam::Vec3;
-use octray_engine::scene::{Material, MaterialKind, TexelKind};
+use octray_engine::scene::{Attenuation, Material, MaterialExtras, MaterialKind, TexelKind};
 use std::collections::HashMap;
-
-/// Share of transmitted light above which a material is glass.
-const CLEAR: f64 = 0.5;
 
 /// Returns the textures of a material: those of colour, of roughness and metallic, of normals, of emission.
 fn textures(file: &MaterialFile) -> [Option<&TextureInfo>; 4] {
@@ -58,12 +58,14 @@ pub struct Added {
 /// The transmission of a whole surface.
 #[derive(Default)]
 struct Transmission {
-    /// The mean share of light below the surface that is transmitted and not scattered.
+    /// The mean share of light below a surface of no metal that is transmitted and not scattered.
     share: f64,
-    /// Whether textures vary the share.
+    /// The part of `share` that metal leaves.
+    clear: f64,
+    /// Whether its texture varies the share.
     varies: bool,
-    /// Whether it is rough anywhere.
-    is_rough: bool,
+    /// Whether all of the surface is glass of one roughness.
+    is_glass: bool,
     /// Whether it is thick anywhere.
     is_volume: bool,
 }
@@ -122,11 +124,20 @@ impl<'a> Materials<'a> {
         let volume = &file.extensions.volume;
         let [_, thick, _] = ranges(&volume.thickness_texture).unwrap_or([[1.0; 3]; 3]);
         let metal = metal.map(|texel| texel * f64::from(fraction(pbr.metallic_factor)));
+        let is_volume = thick[2] * volume.thickness_factor > 0.0;
+        let share = (extension.transmission_factor * clear[1]).min(1.0);
+        // The colour of glass that fills its mesh is the root of the base colour, which no texture here can
+        // be, and its roughness map has another channel.
+        let varies_glass = (is_volume && pbr.base_color_texture.is_some())
+            || (pbr.metallic_roughness_texture.is_some()
+                && rough[2] * pbr.roughness_factor.unwrap_or(1.0) > 0.0);
+        let clear_share = share * (1.0 - metal[1]);
         Transmission {
-            share: extension.transmission_factor * clear[1] * (1.0 - metal[1]),
-            varies: clear[0] < clear[2] || metal[0] < metal[2],
-            is_rough: rough[2] * pbr.roughness_factor.unwrap_or(1.0) > 0.0,
-            is_volume: thick[2] * volume.thickness_factor > 0.0,
+            share: if clear_share > 0.0 { share } else { 0.0 },
+            clear: clear_share,
+            varies: clear[0] < clear[2],
+            is_glass: clear_share >= 1.0 && metal[2] <= 0.0 && !varies_glass,
+            is_volume,
         }
     }
 
@@ -150,9 +161,7 @@ impl<'a> Materials<'a> {
             }
             texture::load(self.document, info.index.0, kind, slopes, &place, builder)
         };
-        // The colour of glass is the square root of the base colour, which no texture here can be.
-        let is_glass = matches!(material.kind, MaterialKind::Glass { .. });
-        material.texture = load("pbrMetallicRoughness", color.filter(|_| !is_glass), TexelKind::Color, None);
+        material.texture = load("pbrMetallicRoughness", color, TexelKind::Color, None);
         if material.kind.has_roughness() {
             material.roughness_map = load("pbrMetallicRoughness", rough, TexelKind::Data, None);
         }
@@ -187,18 +196,50 @@ fn plain(file: &MaterialFile, name: String, transmission: &Transmission) -> Mate
         0.0 => 1e6,
         ior => ior.clamp(1.0, 1e6),
     } as f32;
+    let [roughness, metallic] = [pbr.roughness_factor, pbr.metallic_factor].map(fraction);
+    let thin = !transmission.is_volume;
+    let glass_color = if thin { color } else { color.map(f32::sqrt) };
+    let mut extras = MaterialExtras::default();
     let (kind, color, emission) = if extensions.unlit.is_some() {
         (MaterialKind::Emitter, Vec3::ONE, color)
-    } else if transmission.share > CLEAR {
-        match transmission.is_volume {
-            true => (MaterialKind::Glass { ior }, color.map(f32::sqrt), emitted),
-            false => (MaterialKind::ThinGlass { ior }, color, emitted),
-        }
+    } else if transmission.is_glass {
+        let kind = match (roughness > 0.0, thin) {
+            (true, _) => MaterialKind::RoughGlass { roughness, ior, thin },
+            (false, true) => MaterialKind::ThinGlass { ior },
+            (false, false) => MaterialKind::Glass { ior },
+        };
+        (kind, glass_color, emitted)
     } else {
-        let [roughness, metallic] = [pbr.roughness_factor, pbr.metallic_factor].map(fraction);
+        extras = layers(file);
+        extras.transmission = transmission.share as f32;
+        extras.thin = thin && transmission.share > 0.0;
         (MaterialKind::MetalRough { roughness, metallic, ior }, color, emitted)
     };
-    Material { emission, ..Material::new(name, kind, color) }
+    if transmission.clear > 0.0 && transmission.is_volume && emission == Vec3::ZERO {
+        extras.attenuation = attenuation(file);
+    }
+    Material { emission, extras, ..Material::new(name, kind, color) }
+}
+
+/// Returns the reflectance and the clear coat.
+fn layers(file: &MaterialFile) -> MaterialExtras {
+    let (specular, coat) = (&file.extensions.specular, &file.extensions.clearcoat);
+    let color = specular.specular_color_factor.unwrap_or([1.0; 3]).map(|x| x.clamp(0.0, 1e9) as f32);
+    MaterialExtras {
+        specular: fraction(specular.specular_factor),
+        specular_color: Vec3::from_array(color),
+        clearcoat: fraction(Some(coat.clearcoat_factor)),
+        clearcoat_roughness: fraction(Some(coat.clearcoat_roughness_factor)),
+        ..MaterialExtras::default()
+    }
+}
+
+/// Returns the absorption of the volume, in units of the file.
+fn attenuation(file: &MaterialFile) -> Option<Attenuation> {
+    let volume = &file.extensions.volume;
+    let distance = volume.attenuation_distance.filter(|&x| (1e-18..=1e18).contains(&x))? as f32;
+    let color = volume.attenuation_color.unwrap_or([1.0; 3]).map(|x| fraction(Some(x)));
+    (color != [1.0; 3]).then_some(Attenuation { color: Vec3::from_array(color), distance })
 }
 
 /// Notes the parts of a material that are left out.
@@ -223,23 +264,26 @@ fn note_ignored(
     if file.occlusion_texture.is_some() {
         notes.add(&place.key("occlusionTexture"), "occlusion is left out: path tracing computes it");
     }
-    let (extensions, &Transmission { share, varies, is_rough, .. }) = (place.key("extensions"), transmission);
-    let is_thin = matches!(kind, MaterialKind::ThinGlass { .. });
-    let is_volume = matches!(kind, MaterialKind::Glass { .. });
-    let is_glass = is_thin || is_volume;
-    let (is_textured, volume) =
-        (file.pbr_metallic_roughness.base_color_texture.is_some(), &file.extensions.volume);
+    let (at, extensions, &Transmission { clear, varies, is_volume, .. }) =
+        (place.key("extensions"), &file.extensions, transmission);
+    let (specular, coat) = (&extensions.specular, &extensions.clearcoat);
+    let is_pure = !matches!(kind, MaterialKind::MetalRough { .. });
+    let absorbs = clear > 0.0 && is_volume && attenuation(file).is_some();
+    let emits = file.emissive_factor.is_some_and(|factor| factor != [0.0; 3]);
+    let textures = [&specular.specular_texture, &specular.specular_color_texture, &coat.clearcoat_texture];
+    let coat_textures = [&coat.clearcoat_roughness_texture, &coat.clearcoat_normal_texture];
     for (is_ignored, what) in [
-        (is_glass && is_rough, "rough glass is shown smooth"),
-        (is_volume && is_textured, "glass that fills its mesh is shown without its texture"),
-        (is_glass && share < 1.0 && !varies, "a partly transmitting surface is shown as clear glass"),
-        (is_glass && varies, "transmission varies over the textures: the surface is shown as clear glass"),
-        (is_volume && volume.attenuation_distance.is_some(), "the absorption of volumes is not read"),
-        (!is_glass && share > 0.0 && !varies, "a partly transmitting surface is shown opaque"),
-        (!is_glass && varies, "transmission varies over the textures: the surface is shown opaque"),
+        (clear > 0.0 && varies, "transmission varies over its texture: its mean is shown"),
+        (absorbs && emits, "glass that emits is shown without its absorption"),
+        (clear > 0.0 && coat.clearcoat_factor > 0.0, "what light passes is shown without its clear coat"),
+        (is_pure && layers(file).specular != 1.0, "glass is shown with the reflectance of its index"),
+        (
+            textures.into_iter().chain(coat_textures).any(|texture| texture.is_some()),
+            "textures of `KHR_materials_specular` and `KHR_materials_clearcoat` are left out",
+        ),
     ] {
         if is_ignored {
-            notes.add(&extensions, what);
+            notes.add(&at, what);
         }
     }
 }

@@ -89,6 +89,7 @@ impl Gltf {
     ) -> Result<(), Unusable> {
         let document = self.document(path);
         let place = document.source.root();
+        let first_material = builder.scene.materials.len();
         nodes::note_ignored(&document, &self.nodes, &mut builder.notes);
         extensions::note_ignored(&document.source, material.is_none(), &mut builder.notes);
         let mut accessors = Accessors::new(&document);
@@ -114,9 +115,13 @@ impl Gltf {
                 .flat_map(|(_, part)| part.points())
                 .map(|point| transform.transform_point3(point))
         });
+        let scale = placement.scale as f32;
         let placement = &builder.within_scene(placement, points);
         self.add_portals(path, &mut accessors, placement, builder)?;
         let first = builder.scene.triangles.len();
+        for material in &mut builder.scene.materials[first_material..] {
+            material.extras.attenuation.iter_mut().for_each(|it| it.distance *= scale);
+        }
         for (mesh, transform) in &self.nodes.meshes {
             let transform = Transform::new(transform, placement);
             for (own, geometry) in &meshes[mesh] {

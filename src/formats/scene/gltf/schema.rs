@@ -112,7 +112,9 @@ optional! {
         metallic_roughness_texture: Option<TextureInfo>,
     }
     MaterialExtensions {
+        #[serde(rename = "KHR_materials_clearcoat")] clearcoat: Extension,
         #[serde(rename = "KHR_materials_ior")] ior: Extension,
+        #[serde(rename = "KHR_materials_specular")] specular: Extension,
         #[serde(rename = "KHR_materials_emissive_strength")] emissive_strength: Extension,
         #[serde(rename = "KHR_materials_transmission")] transmission: Extension,
         #[serde(rename = "KHR_materials_unlit")] unlit: Option<IgnoredAny>,
@@ -122,7 +124,12 @@ optional! {
     Extension {
         ior: Option<f64>, emissive_strength: Option<f64>, transmission_factor: f64,
         transmission_texture: Option<TextureInfo>, thickness_factor: f64,
-        thickness_texture: Option<TextureInfo>, attenuation_distance: Option<IgnoredAny>,
+        thickness_texture: Option<TextureInfo>, attenuation_distance: Option<f64>,
+        attenuation_color: Option<[f64; 3]>, specular_factor: Option<f64>,
+        specular_color_factor: Option<[f64; 3]>, specular_texture: Option<IgnoredAny>,
+        specular_color_texture: Option<IgnoredAny>, clearcoat_factor: f64,
+        clearcoat_roughness_factor: f64, clearcoat_texture: Option<IgnoredAny>,
+        clearcoat_roughness_texture: Option<IgnoredAny>, clearcoat_normal_texture: Option<IgnoredAny>,
     }
     TextureExtensions { #[serde(rename = "KHR_texture_transform")] transform: TextureTransform }
 }

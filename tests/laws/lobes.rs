@@ -8,6 +8,7 @@
 use crate::common::statistics::{allowed, deviation_of, mean_and_error};
 use crate::common::*;
 use octray::kernel::bsdf::albedo::{Albedo, compensated};
+use octray::kernel::bsdf::layered::{Layered, Layers};
 use octray::kernel::bsdf::metal_rough::MetalRough;
 use octray::kernel::bsdf::plastic::{Plastic, mean_transmittance};
 use octray::kernel::bsdf::{
@@ -22,6 +23,7 @@ enum Lobe {
     FuzzyMirror { roughness: f32 },
     Plastic { alpha: f32, ior: f32, color: Vec3, transmitted: f32 },
     MetalRough { alpha: f32, metallic: f32, color: Vec3 },
+    Layered { alpha: f32, metallic: f32, color: Vec3, f0: Vec3, f90: f32, coat: [f32; 2] },
 }
 
 fn lane(v: Vec3) -> math::Vec3<f32> {
@@ -45,6 +47,14 @@ impl Lobe {
         let Lobe::MetalRough { alpha, metallic, color } = self else { unreachable!() };
         MetalRough { color: lane(color), alpha, f0: 0.04, metallic }
     }
+    /// Under a coat of a share and an alpha.
+    fn layered(self) -> Layered<f32> {
+        let Lobe::Layered { alpha, metallic, color, f0, f90, coat: [coat, coat_alpha] } = self else {
+            unreachable!()
+        };
+        let base = Lobe::MetalRough { alpha, metallic, color }.metal_rough();
+        Layered { base, layers: Layers { f0: lane(f0), f90, coat, coat_alpha } }
+    }
     fn sample(self, d: Vec3, normals: &LobeNormals<f32>, [choose, u, v]: [f32; 3]) -> Drawn {
         let (d, n) = (lane(d), normals.specular);
         let grey = |lobe: BsdfSample<f32>| (lobe, math::Vec3::repeat(lobe.weight));
@@ -60,6 +70,7 @@ impl Lobe {
                 plastic.sample(&plastic.view(d, n), d, normals, [choose, u, v])
             }
             Lobe::MetalRough { .. } => self.metal_rough().sample(d, normals, choose, (u, v)),
+            Lobe::Layered { .. } => self.layered().sample(d, normals, choose, (u, v)),
         };
         Drawn { direction: lobe.wi.get(0), weight: weight.get(0), pdf: lobe.pdf, alive: lobe.alive }
     }
@@ -81,6 +92,7 @@ impl Lobe {
                 plastic.evaluate(&plastic.view(d, normals.specular), d, normals, towards)
             }
             Lobe::MetalRough { .. } => self.metal_rough().evaluate(d, normals, towards),
+            Lobe::Layered { .. } => self.layered().evaluate(d, normals, towards),
             _ => normals.fold(towards, math::Vec3::zero(), |wi, _| {
                 grey(self.evaluate_about(d, normals.specular, wi))
             }),
@@ -142,6 +154,16 @@ fn lobes() -> Vec<Lobe> {
     lobes.extend([plastic(0.3, 2.6, WHITE), plastic(0.2, 1.5, Vec3::ZERO)]);
     let metals = [(0.0, 0.0), (0.01, 0.0), (0.2, 0.5), (0.5, 1.0)];
     lobes.extend(metals.map(|(alpha, metallic)| Lobe::MetalRough { alpha, metallic, color }));
+    let coated =
+        [(0.3, 0.0, [0.0, 0.0]), (0.4, 0.3, [0.7, 0.05]), (0.0, 0.5, [1.0, 0.3]), (0.3, 0.0, [1.0, 0.0])];
+    lobes.extend(coated.map(|(alpha, metallic, coat)| Lobe::Layered {
+        alpha,
+        metallic,
+        color,
+        f0: vec3(0.02, 0.05, 0.12),
+        f90: 0.7,
+        coat,
+    }));
     lobes
 }
 
@@ -274,7 +296,7 @@ fn samples_are_distributed_as_their_density_says() {
 fn smooth_plastic_and_uncompensated_metal_look_the_same_both_ways() {
     let mut rng = Rng(72);
     let reciprocal = |lobe: &Lobe| match *lobe {
-        Lobe::FuzzyMirror { .. } | Lobe::MetalRough { .. } => false,
+        Lobe::FuzzyMirror { .. } | Lobe::MetalRough { .. } | Lobe::Layered { .. } => false,
         Lobe::Plastic { alpha, .. } => alpha < ggx::NARROW,
         _ => true,
     };
@@ -346,7 +368,12 @@ fn white_furnace_keeps_the_light_of_metals_and_dielectrics() {
             let factor = compensated(lane(WHITE), lane(d.as_vec3()), lane(n.as_vec3()), alpha).get(0).x;
             let metal = albedo(Lobe::Ggx { alpha }, degrees) * f64::from(factor);
             let rough = |metallic| albedo(Lobe::MetalRough { alpha, metallic, color: WHITE }, degrees);
-            let found = [metal, rough(1.0), rough(0.0)];
+            let coated = |metallic, roughness: f32| {
+                let coat = [1.0, roughness * roughness];
+                let f0 = Vec3::splat(0.04);
+                albedo(Lobe::Layered { alpha, metallic, color: WHITE, f0, f90: 1.0, coat }, degrees)
+            };
+            let found = [metal, rough(1.0), rough(0.0), coated(1.0, 0.0), coated(0.0, 0.3), coated(0.3, 1.0)];
             assert!(found.iter().all(|x| (0.98..1.005).contains(x)), "{roughness} at {degrees}°: {found:?}");
         }
     }

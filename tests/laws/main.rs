@@ -38,6 +38,7 @@ mod one_path;
 mod pipelines;
 mod portals;
 mod random_scenes;
+mod rough_glass;
 mod sampling_laws;
 mod sobol;
 mod spawn;

@@ -6,7 +6,7 @@
 use crate::common::statistics::{allowed, mean_and_error};
 use crate::common::*;
 
-const KINDS: [MaterialKind; 9] = [
+const KINDS: [MaterialKind; 11] = [
     Diffuse,
     Metal { roughness: 0.2 },
     Metal { roughness: 0.7 },
@@ -16,6 +16,8 @@ const KINDS: [MaterialKind; 9] = [
     FuzzyMirror { roughness: 0.4 },
     FuzzyMirror { roughness: 2.0 },
     Glass { ior: 1.5 },
+    RoughGlass { roughness: 0.5, ior: 1.5, thin: false },
+    RoughGlass { roughness: 0.4, ior: 1.5, thin: true },
 ];
 
 /// What is lit: a ball, as a sphere or as triangles with smooth normals.

@@ -8,7 +8,7 @@ use octray::integrate::pipeline_for;
 /// Two balls over a floor, all of one material: paths go back and forth between them.
 fn room(kind: MaterialKind) -> Scene {
     // A single sheet of glass leads into glass without end, so there is no floor of it.
-    let is_glass = matches!(kind, Glass { .. });
+    let is_glass = matches!(kind, Glass { .. } | RoughGlass { thin: false, .. });
     Scene {
         camera: Camera { position: vec3(0.0, 0.5, 5.0), ..empty().camera },
         resolution: [48, 32],
@@ -54,6 +54,35 @@ fn white_furnace_of_glass_is_white_within_rounding() {
         let worst = channels(&picture).fold(0.0_f32, |worst, x| worst.max((x - 1.0).abs()));
         assert!(worst <= 1e-5, "ior {ior}: {worst:e}");
     }
+}
+
+#[test]
+fn rough_glass_keeps_the_light() {
+    for (roughness, ior) in
+        [(0.05, 1.5), (0.3, 1.1), (0.5, 2.4), (0.7, 1.5), (1.0, 1.33), (1.0, 2.4), (0.6, 0.7)]
+    {
+        for thin in [false, true] {
+            let kind = RoughGlass { roughness, ior, thin };
+            // The square of the index makes noise.
+            let kept = mean(&render(&room(kind), UNBOUNDED, 4 * SAMPLES, 8));
+            assert!((0.98..1.005).contains(&kept), "{kind:?} keeps {kept:.4} of the light");
+        }
+    }
+}
+
+/// A panel of rough glass is nearly that of smooth glass.
+#[test]
+fn rough_glass_becomes_smooth_glass() {
+    let of = |kind| render(&Scene { sky: lit(), ..room(kind) }, 16, SAMPLES, 8);
+    for (smooth, thin) in [(Glass { ior: 1.5 }, false), (ThinGlass { ior: 1.5 }, true)] {
+        let off = |roughness| rmse(&of(smooth), &of(RoughGlass { roughness, ior: 1.5, thin }));
+        let (narrow, wide) = (off(0.005), off(0.3));
+        assert!(narrow < 2e-3 && wide > 3.0 * narrow, "{smooth:?}: {narrow}, {wide}");
+    }
+}
+
+fn lit() -> Sky {
+    Sky::Gradient { bottom: Vec3::splat(0.2), top: Vec3::ONE }
 }
 
 #[test]

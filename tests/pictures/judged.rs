@@ -6,7 +6,7 @@ use crate::common::statistics::mean_and_error;
 use crate::common::*;
 
 /// Two balls, one in front of the other, on a floor; the balls of one kind.
-fn balls(kind: MaterialKind) -> Scene {
+pub fn balls(kind: MaterialKind) -> Scene {
     Scene {
         camera: camera(vec3(0.5, 1.0, 6.0), Vec3::ZERO, 40.0),
         sky: Sky::Gradient { bottom: vec3(0.1, 0.3, 0.2), top: vec3(1.0, 0.8, 0.6) },

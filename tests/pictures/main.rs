@@ -15,6 +15,7 @@ mod adaptive_laws;
 mod copies;
 mod display_laws;
 mod expectation;
+mod extras;
 mod flip;
 mod furnace;
 mod history;

@@ -1,4 +1,4 @@
-"""Writes six glTF models of different kinds, with the standard library alone.
+"""Writes nine glTF models of different kinds, with the standard library alone.
 
     python3 perf/peers/blender/models.py FOLDER
 
@@ -10,6 +10,9 @@
 | glass.glb | clear, tinted and dense glass: transmission, volume and index of refraction; a mirrored scale |
 | thin.glb | thin-walled panes: transmission without volume; an unlit card |
 | tree.gltf | a tree of nodes: instances, mirrored and unequal scales; strips and fans, sparse and quantised numbers, vertex colours, 8-bit indices |
+| leaves.glb | cut-outs (MASK) with alpha in a texture, a veil (BLEND), an orthographic camera |
+| punctual.gltf | a point, a spot and a directional light, no sky to speak of |
+| frosted.glb | rough glass of three roughnesses, volume with attenuation |
 """
 
 import base64
@@ -94,15 +97,18 @@ class Model:
             self.json["scenes"][0]["nodes"].append(node)
         return node
 
-    def camera(self, position, target, fov):
-        self.add("cameras", {"type": "perspective", "perspective": {"yfov": math.radians(fov), "znear": 0.01, "aspectRatio": 16 / 9}})
+    def camera(self, position, target, fov=None, height=None):
+        """`height` gives an orthographic camera that sees so much."""
+        perspective = {"yfov": math.radians(fov or 1), "znear": 0.01, "aspectRatio": 16 / 9}
+        flat = {"xmag": (height or 1) / 2 * 16 / 9, "ymag": (height or 1) / 2, "znear": 0.01, "zfar": 100}
+        self.add("cameras", {"type": "orthographic", "orthographic": flat} if height else {"type": "perspective", "perspective": perspective})
         back = unit([a - b for a, b in zip(position, target)])
         right = unit(cross([0, 1, 0], back))
         up = cross(back, right)
         self.node(camera=0, matrix=[*right, 0, *up, 0, *back, 0, *position, 1])
 
-    def material(self, color=(1, 1, 1), metallic=0, roughness=1, **keys):
-        pbr = {"baseColorFactor": [*color, 1], "metallicFactor": metallic, "roughnessFactor": roughness}
+    def material(self, color=(1, 1, 1), metallic=0, roughness=1, alpha=1, **keys):
+        pbr = {"baseColorFactor": [*color, alpha], "metallicFactor": metallic, "roughnessFactor": roughness}
         pbr |= keys.pop("pbr", {})
         for name in keys.get("extensions", {}):
             self.use(name)
@@ -148,10 +154,10 @@ def cross(a, b):
 
 
 def png(width, height, color):
-    """An 8-bit RGB picture; color(x, y) gives the bytes of a texel, y downwards."""
+    """An 8-bit picture; color(x, y) gives the bytes of a texel, three or with alpha four, y downwards."""
     rows = b"".join(b"\0" + bytes(channel for x in range(width) for channel in color(x, y)) for y in range(height))
     chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", width, height, 8, 6 if len(color(0, 0)) == 4 else 2, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
@@ -344,7 +350,82 @@ def tree(folder):
     model.write(folder / "tree.gltf", "data")
 
 
-MODELS = {"grid.gltf": grid, "textured.glb": textured, "lamps.gltf": lamps, "glass.glb": glass, "thin.glb": thin, "tree.gltf": tree}
+def leaves(folder):
+    model = Model()
+    # Texels are large and not blended: a cut runs along their edges.
+    leaf = lambda x, y: (40 + 8 * x, 150 - 5 * y, 30, 255 if (x - 9) ** 2 + (y - 6) ** 2 < 40 and x != 8 else 0)
+    picture = {"index": model.texture(16, 16, leaf, magFilter=9728, minFilter=9728)}
+    pbr = {"baseColorTexture": picture, "metallicFactor": 0, "roughnessFactor": 1}
+    card = model.material(pbr=pbr, alphaMode="MASK", alphaCutoff=0.5)
+    veil = model.material((0.9, 0.4, 0.3), 0, 1, alpha=0.35, alphaMode="BLEND")
+    solid = model.material((0.3, 0.4, 0.8), 0, 1, alpha=0.1)
+    points, uvs, indices = quad(1)
+    upright = math.sqrt(0.5)
+    for number in range(9):
+        turn = 0.7 * number
+        sin, cos = upright * math.sin(turn / 2), upright * math.cos(turn / 2)
+        mesh = model.mesh(model.primitive(points, indices, card, uvs=uvs))
+        model.node(mesh=mesh, translation=[1.6 * (number % 3) - 2.6, 1 + 0.2 * (number // 3), 1.5 * (number // 3) - 1.5], rotation=[cos, sin, -sin, cos])
+    mesh = model.mesh(model.primitive(points, indices, veil, uvs=uvs))
+    model.node(mesh=mesh, translation=[2.6, 1.2, 0.6], rotation=[upright, 0, 0, upright])
+    model.node(mesh=model.mesh(model.ball() | {"material": solid}), translation=[2.7, 1, -1.5])
+    points, uvs, indices = quad(6)
+    model.node(mesh=model.mesh(model.primitive(points, indices, model.material((0.6, 0.6, 0.6), 0, 1))))
+    model.camera([3, 5, 9], [0.2, 0.8, 0], height=5.5)
+    model.write(folder / "leaves.glb", "glb")
+
+
+def punctual(folder):
+    model = Model()
+    grey = model.material((0.6, 0.6, 0.6), 0, 1)
+    points, uvs, indices = quad(6)
+    model.node(mesh=model.mesh(model.primitive(points, indices, grey)))
+    for x, z in [(-1.5, 0), (0.3, -0.8), (1.8, 0.5)]:
+        model.node(mesh=model.mesh(model.ball() | {"material": model.material((0.7, 0.5, 0.4), 0, 0.6)}), translation=[x, 0.6, z], scale=[0.6, 0.6, 0.6])
+    model.use("KHR_lights_punctual")
+    # A hard edge: Blender softens others its own way.
+    cone = {"innerConeAngle": 0.5999, "outerConeAngle": 0.6}
+    model.json["extensions"] = {"KHR_lights_punctual": {"lights": [
+        {"type": "point", "color": [1, 0.7, 0.4], "intensity": 6},
+        {"type": "spot", "color": [0.4, 0.6, 1], "intensity": 40, "spot": cone},
+        {"type": "directional", "color": [1, 1, 0.9], "intensity": 1.2},
+    ]}}
+    light = lambda number: {"KHR_lights_punctual": {"light": number}}
+    model.node(translation=[-0.6, 2.2, 1.4], extensions=light(0))
+    upright = math.sqrt(0.5)
+    model.node(translation=[1.6, 4, 0.4], rotation=[-upright, 0, 0, upright], extensions=light(1))
+    model.node(rotation=unit([-0.4, 0.3, 0.1, 0.8]), extensions=light(2))
+    model.camera([0, 3.4, 7], [0, 0.4, 0], 38)
+    model.write(folder / "punctual.gltf", "data")
+
+
+def frosted(folder):
+    model = Model()
+    ball = model.ball()
+    for x, color, roughness, distance in [(-2.2, (1, 1, 1), 0.2, None), (0, (1, 1, 1), 0.5, 1.5), (2.2, (1, 1, 1), 0.8, None)]:
+        volume = {"thicknessFactor": 1} | ({"attenuationColor": [0.9, 0.5, 0.3], "attenuationDistance": distance} if distance else {})
+        extensions = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.5}, "KHR_materials_volume": volume}
+        model.node(mesh=model.mesh(ball | {"material": model.material(color, 0, roughness, extensions=extensions)}), translation=[x, 1.01, 0])
+    points, uvs, indices = quad(6)
+    checker = lambda x, y: (220, 220, 220) if (x // 4 + y // 4) % 2 else (60, 60, 70)
+    check = model.texture(64, 64, checker, magFilter=9728, minFilter=9728)
+    pbr = {"baseColorTexture": {"index": check}, "metallicFactor": 0, "roughnessFactor": 1}
+    model.node(mesh=model.mesh(model.primitive(points, indices, model.material(pbr=pbr), uvs=uvs)))
+    model.camera([0, 2.2, 7.5], [0, 0.9, 0], 36)
+    model.write(folder / "frosted.glb", "glb")
+
+
+MODELS = {
+    "grid.gltf": grid,
+    "textured.glb": textured,
+    "lamps.gltf": lamps,
+    "glass.glb": glass,
+    "thin.glb": thin,
+    "tree.gltf": tree,
+    "leaves.glb": leaves,
+    "punctual.gltf": punctual,
+    "frosted.glb": frosted,
+}
 
 
 def write_all(folder):

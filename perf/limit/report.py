@@ -17,6 +17,7 @@ STAGES = [
     ("film/", "film"),
     ("src/engine/", "rest of the engine"),
 ]
+PACKAGES = ("/src/engine/", "/src/rays/")
 # Not the caller's own work: what it computes with.
 TOOLS = ("lane/", "math/")
 
@@ -31,10 +32,10 @@ def stage(origin):
 
 
 def source(origin):
-    """The file of the innermost function in the engine that is not a lane type or vector arithmetic."""
-    engine = [file.partition("src/engine/")[2] for _, file in origin if "src/engine/" in file]
-    own = [file for file in engine if not file.startswith(TOOLS)]
-    return (own or engine or ["?"])[-1]
+    """The file of the innermost function in the engine or the rays that is not a lane type or vector arithmetic."""
+    ours = [file.partition("/src/")[2] for _, file in origin if any(part in file for part in PACKAGES)]
+    own = [file for file in ours if not file.partition("/")[2].startswith(TOOLS)]
+    return (own or ours or ["?"])[-1]
 
 
 def summarise(rows, processor, rays):

@@ -33,7 +33,10 @@ fn load(path: &Path, change: impl Fn(&mut Value)) -> Scene {
 /// Scales and moves all that a scene file says of places and lengths, after rounding it so that no sum
 /// rounds, and scales intensities so that surfaces stay as bright.
 fn place(json: &mut Value, key: &str, scale: f64, offset: [f64; 3]) {
-    let is_point = matches!(key, "position" | "look_at" | "center" | "translate" | "vertices");
+    let is_point = matches!(key, "position" | "look_at" | "focus_on" | "center" | "translate" | "vertices");
+    let is_length = key.ends_with("radius")
+        || key.ends_with("distance")
+        || matches!(key, "scale" | "texture_size" | "range" | "orthographic_height");
     match json {
         Value::Object(entries) => {
             entries.iter_mut().for_each(|(key, value)| place(value, key, scale, offset));
@@ -48,7 +51,7 @@ fn place(json: &mut Value, key: &str, scale: f64, offset: [f64; 3]) {
             numbers.iter_mut().for_each(|number| *number = (number.as_f64().unwrap() * scale * scale).into())
         }
         Value::Array(items) => items.iter_mut().for_each(|item| place(item, key, scale, offset)),
-        length if matches!(key, "radius" | "scale" | "texture_size" | "range" | "attenuation_distance") => {
+        length if is_length => {
             *length = (length.as_f64().unwrap() * scale).into();
         }
         _ => {}

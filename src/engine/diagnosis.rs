@@ -55,7 +55,7 @@ fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>)
     let camera = renderer.camera().position();
     let is_around = |sphere: &Sphere| {
         let material = &scene.materials[sphere.material as usize];
-        let is_opaque = !material.is_clear() && !material.emits();
+        let is_opaque = !material.is_clear() && !material.emits() && material.is_opaque();
         is_opaque && sphere.center.distance(camera) < sphere.radius
     };
     if let Some(more) = more {

@@ -32,7 +32,8 @@ pub struct Inspection {
     triangles: usize,
     /// Triangles with vertex normals.
     smooth_triangles: usize,
-    /// How many there are of each type, used or not; then emissive and textured ones of any type.
+    /// How many there are of each type, used or not; then emissive, textured and transparent ones of any
+    /// type.
     #[serde(serialize_with = "as_map")]
     materials: Vec<(&'static str, usize)>,
     textures: Vec<TextureReport>,
@@ -226,7 +227,8 @@ fn materials(all: &[Material]) -> Vec<(&'static str, usize)> {
     let emissive = all.iter().filter(|material| material.emits()).count();
     let textured = all.iter().filter(|material| material.texture.is_some()).count();
     let types = TYPES.into_iter().map(|name| (name, of_type(name)));
-    types.chain([("emissive", emissive), ("textured", textured)]).collect()
+    let transparent = all.iter().filter(|material| !material.is_opaque()).count();
+    types.chain([("emissive", emissive), ("textured", textured), ("transparent", transparent)]).collect()
 }
 
 /// Returns the name of a material type, as in scene files.

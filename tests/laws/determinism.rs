@@ -76,6 +76,8 @@ fn everything(triangles: usize) -> Scene {
     materials[0].texture = Some(0);
     materials[0].normal_map = Some(2);
     materials[1].texture = Some(1);
+    materials[1].opacity = 0.6;
+    materials[4].opacity_map = Some(1);
     materials[2].emission = vec3(0.2, 0.1, 0.4);
     materials[3].emission = vec3(3.0, 2.0, 1.0);
     materials[3].texture = Some(0);

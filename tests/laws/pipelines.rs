@@ -6,7 +6,7 @@ use crate::common::*;
 /// A feature that a plain scene of one material gets: its name, and how.
 type Extra = (&'static str, fn(&mut Scene));
 
-const EXTRAS: [Extra; 18] = [
+const EXTRAS: [Extra; 20] = [
     ("nothing", |_| ()),
     ("triangles", add_floor),
     ("smooth normals", |scene| *scene = Scene { sky: scene.sky, ..smooth_ball(scene.materials[0].kind) }),
@@ -35,6 +35,8 @@ const EXTRAS: [Extra; 18] = [
         scene.uvs.push([Vec2::ZERO, Vec2::X, Vec2::Y]);
         scene.materials[0].normal_map = Some(add_texture(scene, Filter::Nearest));
     }),
+    ("opacity", |scene| scene.materials[0].opacity = 0.5),
+    ("opacity map", |scene| scene.materials[0].opacity_map = Some(add_texture(scene, Filter::Nearest))),
     ("gradient", |scene| scene.sky = Sky::Gradient { bottom: Vec3::ONE, top: vec3(0.5, 0.7, 1.0) }),
     ("nearest sky", |scene| set_sky(scene, Filter::Nearest)),
     ("bilinear sky", |scene| set_sky(scene, Filter::Bilinear)),

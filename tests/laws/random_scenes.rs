@@ -54,7 +54,7 @@ fn kind(rng: &mut Rng) -> MaterialKind {
     }
 }
 
-fn material(rng: &mut Rng, textures: usize) -> Material {
+fn material(rng: &mut Rng, textures: usize, transparent: bool) -> Material {
     let kind = kind(rng);
     let emitter = kind == Emitter;
     let emission = match emitter || once_in(rng, 5) {
@@ -82,11 +82,12 @@ fn material(rng: &mut Rng, textures: usize) -> Material {
         roughness_map: map(3, kind.has_roughness()),
         normal_map: map(3, !emitter),
         emission_map: map(3, !emitter && emission != Vec3::ZERO),
-        name: "m".into(),
-        kind,
+        opacity_map: map(2, transparent),
         emission,
-        color,
         extras,
+        opacity: if transparent { fraction(rng) } else { 1.0 },
+        alpha_cutoff: once_in(rng, 2).then(|| fraction(rng)),
+        ..Material::new("m", kind, color)
     }
 }
 
@@ -200,7 +201,9 @@ fn scene(rng: &mut Rng) -> Scene {
         let [width, height] = [(); 2].map(|()| 1 + rng.index(6) as u32);
         scene.textures.push(noise(rng, width, height, filter));
     }
-    scene.materials = (0..1 + rng.index(6)).map(|_| material(rng, textures)).collect();
+    let transparent = once_in(rng, 4);
+    let materials = 1 + rng.index(6);
+    scene.materials = (0..materials).map(|_| material(rng, textures, transparent)).collect();
     let most = if once_in(rng, 6) { 80 } else { 6 };
     for _ in 0..rng.index(most) {
         let place = (center + rng.in_cube() * size).as_vec3();

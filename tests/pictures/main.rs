@@ -22,6 +22,7 @@ mod history;
 mod judged;
 mod lamps;
 mod levels_of_detail;
+mod opacity;
 mod peers;
 mod punctual;
 mod reference_laws;

@@ -61,6 +61,8 @@ features! {
     EMISSION_MAPS = 23, "emission-maps";
     /// Some texture is filtered trilinearly: paths carry ray cones.
     LEVELS_OF_DETAIL = 24, "levels-of-detail";
+    /// Some surface lets rays through, where it is cut out or partly transparent.
+    OPACITY = 27, "opacity";
     ROUGH_GLASS = 28, "rough-glass";
     /// Some metal-rough surface has a clear coat or another reflectance: see
     /// [`crate::scene::MaterialExtras`].
@@ -179,6 +181,7 @@ impl Features {
             need(extras.attenuation.is_some() || extras.transmission > 0.0, Self::TRANSMISSION);
             need(extras.transmission > 0.0, Self::ROUGH_GLASS);
             need(extras.reflects_otherwise(), Self::LAYERS);
+            need(!material.is_opaque(), Self::OPACITY);
             match material.kind {
                 MaterialKind::Diffuse => need(true, Self::DIFFUSE),
                 MaterialKind::Metal { roughness: 0.0 } => need(true, Self::MIRROR),

@@ -7,10 +7,12 @@
 pub(crate) mod block_means;
 pub mod features;
 mod mip_chain;
+mod opacity;
 pub mod rows;
 mod texels;
 
 pub use features::{Features, has};
+pub use opacity::Opacities;
 pub use texels::{Abilities, Textures};
 
 use crate::kernel::bsdf::{glass_albedo, metal_rough, plastic};
@@ -37,6 +39,8 @@ pub struct Buffers {
     pub material_extensions: Rows,
     /// The tables of [`glass_albedo`], one for each index of refraction.
     pub glass_albedo: Rows,
+    /// The opacities of materials, if [`Features::OPACITY`] holds.
+    pub opacities: Opacities,
     /// All textures, encoded for lookups.
     pub textures: Textures,
     /// The environment, seen by rays that hit nothing.
@@ -118,6 +122,7 @@ impl Buffers {
             material_rows: Rows::new(scene.materials.iter().map(material_row)),
             material_extra: Rows::new(scene.materials.iter().map(detail_row)),
             glass_albedo: glass.rows(),
+            opacities: Opacities::new(scene),
             textures: Textures::new(&scene.textures),
             sky: Sky::new(scene.sky),
         }

@@ -213,7 +213,7 @@ impl Textures {
             let texel = L::gather_bits(&self.display, texel);
             color = match texel_kind {
                 TexelKind::Color => srgb_to_linear::<L>(texel),
-                TexelKind::Data => unorm_to_unit::<L>(texel),
+                TexelKind::Data | TexelKind::Alpha | TexelKind::AlphaOrGrey => unorm_to_unit::<L>(texel),
             };
         }
         if abilities.linear && linear.any() {

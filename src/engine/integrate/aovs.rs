@@ -3,10 +3,11 @@
 //! of the scene read them.
 
 use super::context::TraceContext;
+use super::edge_aovs::CHOSEN;
 use super::emission::environment_radiance;
 use super::generate::pixel_centers;
-use super::intersect::closest_of_queue;
 use super::material::MaterialSample;
+use super::opacity::closest_seen;
 use super::queue::Path;
 use super::scratch::Scratch;
 use super::stats::RayKind;
@@ -164,7 +165,7 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
     for left in (0..width).step_by(MAX_PIXELS) {
         let count = MAX_PIXELS.min(width - left);
         pixel_centers(context, [left as u32, y], count, scratch);
-        closest_of_queue(context, None, scratch, 0..count, RayKind::Primary);
+        closest_seen(context, scratch, 0..count, RayKind::Primary, true);
         for at in (0..count).step_by(L::WIDTH) {
             for (plane, values) in aovs(context, scratch, at, count).into_iter().enumerate() {
                 values.store(&mut row[plane * stride + left + at..]);
@@ -176,8 +177,10 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
 /// Returns the planes of the packet at `at`.
 fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
     let cone = context.primary_cone::<L, ALL>();
-    let path = Path::primary(context.primary_ray(&scratch.queue, at), B::splat(0), B::splat(0), cone);
-    Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at)).planes(context)
+    let (ray, key) = (context.primary_ray(&scratch.queue, at), scratch.queue.primary::<L>(at).1);
+    let path = Path::primary(ray, key, B::splat(0), cone);
+    Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at))
+        .planes(context, key)
 }
 
 /// The surfaces or the environment that a packet of rays sees.
@@ -235,11 +238,13 @@ impl Seen {
         seen
     }
 
-    fn planes(&self, context: &TraceContext) -> [L; PLANES] {
+    /// Returns the planes of paths with these keys: see [`CHOSEN`].
+    fn planes(&self, context: &TraceContext, key: B) -> [L; PLANES] {
         let Self { hit, found, normal, albedo, scale, lobe, object, .. } = self;
         let distance = L::select(*found, hit.t, L::splat(f32::INFINITY));
         let on_triangle = *found & context.primitives.ranges.are_of_kind(Kind::Triangle, hit.primitive);
         let weight = |weight| L::select(on_triangle, weight, L::zero());
+        let (is_noisy, zero) = (!(key & B::splat(CHOSEN)).equals(B::splat(0)), L::zero());
         [
             distance,
             normal.x,
@@ -251,7 +256,7 @@ impl Seen {
             weight(hit.u),
             weight(hit.v),
             *lobe,
-            *scale,
+            L::select(is_noisy & zero.lt(*scale), zero, *scale),
             L::from_bits(*object),
         ]
     }

@@ -83,6 +83,11 @@ impl TraceContext {
     pub fn carries_cones<const N: u64>(&self) -> bool {
         has(N, Features::LEVELS_OF_DETAIL) && self.buffers.needs.contains(Features::LEVELS_OF_DETAIL)
     }
+    /// Tests whether rays may pass surfaces that they hit.
+    #[inline(always)]
+    pub fn has_opacity<const N: u64>(&self) -> bool {
+        has(N, Features::OPACITY) && self.buffers.needs.contains(Features::OPACITY)
+    }
     /// Looks up the surfaces of the lanes in `found`; the others are unspecified.
     #[inline(always)]
     pub fn surface<L: Lane, const N: u64>(&self, path: &Path<L>, hit: &Hit<L>, found: L::Mask) -> Surface<L> {

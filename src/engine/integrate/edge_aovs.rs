@@ -9,8 +9,8 @@
 use super::aovs::{ALL, Aovs, Plane, Seen};
 use super::bsdf::follow_delta;
 use super::context::TraceContext;
-use super::intersect::closest_of_queue;
 use super::material::scattered_cone;
+use super::opacity::closest_seen;
 use super::queue::Path;
 use super::scratch::Scratch;
 use super::stats::RayKind;
@@ -37,8 +37,8 @@ const ALBEDO_STEP: f32 = 0.05;
 /// The bit of combined object ids, which no object's id has: see [`combine`]. `MISS` also has bit 31, which
 /// combined ids lack.
 const COMBINED: u32 = 1 << 30;
-/// The bit of a path's key that marks glass or rough metal, where the estimator chooses at random.
-const CHOSEN: u32 = 1 << 31;
+/// The bit of a path's key that marks glass, rough metal or opacity: the estimator chooses at random.
+pub(super) const CHOSEN: u32 = 1 << 31;
 
 /// The surface or environment seen at a point of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -318,7 +318,7 @@ impl Points {
                 return;
             }
             let kind = if followed == 0 { RayKind::Primary } else { RayKind::Bounce };
-            closest_of_queue(context, None, scratch, 0..count, kind);
+            closest_seen(context, scratch, 0..count, kind, false);
             let mut going_on = 0;
             for at in (0..count).step_by(L::WIDTH) {
                 let path = scratch.queue.path::<L>(at, columns);
@@ -375,7 +375,7 @@ fn put_all(path: &Path<L>, seen: &Seen, t: L, ends: <L as Lane>::Mask, put: &mut
     if !ends.any() {
         return;
     }
-    let direct = path.key.equals(B::splat(0));
+    let direct = (path.key & B::splat(!CHOSEN)).equals(B::splat(0));
     let chosen = !(path.key & B::splat(CHOSEN)).equals(B::splat(0));
     let object = combine(path.key & B::splat(!CHOSEN), seen.object);
     let object = B::select(direct, seen.object, object);

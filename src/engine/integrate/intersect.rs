@@ -3,6 +3,7 @@
 use super::context::TraceContext;
 use super::context::{ends_missed, has};
 use super::emission::missed_radiance;
+use super::opacity::pass_through;
 use super::scratch::Scratch;
 use super::stats::RayKind;
 use crate::buffers::Features;
@@ -27,9 +28,10 @@ impl Intersected {
     }
 }
 
-/// Finds the nearest hits of paths after a bounce. Under a sky ([`ends_missed`]) paths that miss add the
-/// environment's radiance and end, and the others are compressed to the front of their range, so that shading
-/// has full packets. Without a sky, shading finds the paths that miss.
+/// Finds the nearest hits of paths after `bounce` bounces, or the first that they do not pass. Under a sky
+/// ([`ends_missed`]) paths that miss add the environment's radiance and end, and the others are compressed to
+/// the front of their range, so that shading has full packets. Without a sky, shading finds the paths that
+/// miss.
 ///
 /// This loop is separate from the tests of primitives, because in short loops the processor works on several
 /// packets at a time.
@@ -37,8 +39,12 @@ pub fn intersect<L: Lane, const N: u64>(
     context: &TraceContext,
     scratch: &mut Scratch,
     paths: Range<usize>,
+    bounce: u32,
 ) -> Intersected {
     closest_of_queue(context, None, scratch, paths.clone(), RayKind::Bounce);
+    if context.has_opacity::<N>() {
+        pass_through(context, scratch, paths.clone(), bounce, false);
+    }
     if !ends_missed(N) {
         return Intersected::all(paths);
     }

@@ -308,6 +308,18 @@ fn texel<L: Lane, const N: u64>(
     context.buffers.textures.sample(texture_index(code), at, mask, abilities(N), texel_kind)
 }
 
+/// Returns the red channel of an opacity map at a point of a surface; `code` is the map's index + 1.
+#[inline(never)]
+pub(super) fn opacity_texel(context: &TraceContext, surface: &Surface<f32>, code: u32) -> f32 {
+    const ALL: u64 = Features::ALL.0;
+    let at = surface.texture_point::<ALL>(&context.surfaces::<ALL>(), true);
+    let texel = match context.buffers.needs.meets(Features::LONG_LOOKUPS) {
+        true => texel::<f32, ALL>(context, at, true, code, TexelKind::Data),
+        false => texel::<f32, { WITHOUT_LONG_LOOKUPS.0 }>(context, at, true, code, TexelKind::Data),
+    };
+    texel.x
+}
+
 /// Returns the index of a texture from its code, which is one more.
 #[inline(always)]
 fn texture_index<B: Bits>(code: B) -> B {

@@ -60,6 +60,18 @@ impl Observer {
             meter.begin(Some(Stage::ShadowRays));
         }
     }
+    /// Adds rays of paths that have bounced `bounces` times and were asked again, one by one.
+    pub fn add_segments(&mut self, bounces: u32, rays: usize) {
+        if let Some(meter) = &mut self.meter {
+            meter.count_segment(bounces, rays, 1);
+        }
+    }
+    /// Adds shadow rays that were asked again, one by one.
+    pub fn add_shadow_rays(&mut self, rays: usize) {
+        if let Some(meter) = &mut self.meter {
+            meter.shadow_rays += Segment::of(rays, 1);
+        }
+    }
     /// Adds the tests that a tracer has counted for a kind of ray.
     #[inline(always)]
     pub fn add_tests(&mut self, kind: RayKind, tracer: &mut Tracer) {

@@ -10,6 +10,7 @@
 //! - [`fn@generate`] creates primary rays and finds their hits. Those of a pinhole have one origin, which the
 //!   queue does not hold; those of a lens and of an orthographic camera are traced like any other rays.
 //! - `intersect` finds the hits of rays of later segments. Under a sky, paths that miss end here.
+//! - If some surface is not opaque, rays that pass their hits go on to the next ones (`opacity`).
 //! - Hits next to edges of triangles are corrected (`silhouettes`).
 //! - `shade` adds emitted radiance, samples the BSDF, and compresses the paths that continue, so that packets
 //!   stay full. If lights are sampled, it queues shadow rays. If each hit has at most one texel, all texels
@@ -39,6 +40,7 @@ mod glass;
 mod intersect;
 mod material;
 pub mod meter;
+mod opacity;
 mod path;
 mod pipeline;
 pub mod queue;

@@ -6,6 +6,7 @@ use super::aovs::ALL;
 use super::context::TraceContext;
 use super::emission::{missed_radiance, surface_radiance};
 use super::material::MaterialSample;
+use super::opacity;
 use super::pipeline::pipeline_for;
 use super::scratch::Scratch;
 use super::shadow_rays::{arriving_radiance, find_occluders};
@@ -34,10 +35,16 @@ pub fn trace_path(context: &mut TraceContext, [x, y]: [u32; 2], sample: u32) -> 
             let (vertex, scratch) = (&mut vertices[events as usize - 1], &mut *scratch);
             let (rays, mut hits) = scratch.shadow_queue.queries(&mut scratch.queue, 1);
             find_occluders(context, &mut scratch.tracer, &rays, &mut hits);
-            vertex.light_direction = Some(rays.packet::<f32>(0).direction.get(0).into());
-            let (arrives, (_, radiance)) =
-                arriving_radiance(context, &scratch.shadow_queue, 0, &hits.get(0), true);
-            vertex.light = Some(if arrives { radiance.get(0).into() } else { [0.0; 3] });
+            vertex.light_direction = Some(array(rays.packet::<f32>(0).direction));
+            let hit = hits.get(0);
+            let Scratch { tracer, shadow_queue, .. } = scratch;
+            let (arrives, radiance) = if context.has_opacity::<ALL>() {
+                (true, opacity::arriving_radiance(context, tracer, shadow_queue, 0, hit).0)
+            } else {
+                let (arrives, (_, radiance)) = arriving_radiance(context, shadow_queue, 0, &hit, true);
+                (arrives, radiance)
+            };
+            vertex.light = Some(if arrives { array(radiance) } else { [0.0; 3] });
         }
     }
     context.max_bounces = most;
@@ -50,9 +57,12 @@ pub fn trace_path(context: &mut TraceContext, [x, y]: [u32; 2], sample: u32) -> 
     vertices
 }
 
+fn array(v: Vec3<f32>) -> [f32; 3] {
+    v.get(0).to_array()
+}
+
 /// Adds the end of the segment at the front of the queue.
 fn push_end(context: &TraceContext, scratch: &Scratch, vertices: &mut Vec<PathVertex<f32>>) {
-    let array = |v: Vec3<f32>| v.get(0).to_array();
     let (queue, hit): (_, Hit<f32>) = (&scratch.queue, scratch.queue.hit(0));
     let mut path = context.path::<f32, ALL, true>(queue, 0);
     if let Some(before) = vertices.last_mut() {

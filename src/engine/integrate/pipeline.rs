@@ -4,6 +4,7 @@ use super::context::TraceContext;
 use super::context::has;
 use super::generate::generate;
 use super::intersect::{Intersected, intersect};
+use super::opacity::pass_through;
 use super::queue::MAX_EARLIER;
 use super::radiance::MAX_TILES;
 use super::scratch::Scratch;
@@ -41,7 +42,7 @@ pub fn trace_tiles<L: Lane, const N: u64>(
             waiting = 0;
         }
     }
-    rays
+    rays + std::mem::take(&mut scratch.asked_again)
 }
 
 /// Traces the paths of a tile to their event [`SHARED_FROM`], or to the last if that is earlier, and puts
@@ -55,6 +56,9 @@ fn first_segments<L: Lane, const N: u64>(
 ) -> u64 {
     scratch.observer.begin(Some(Stage::Generate));
     let mut paths = generate::<L>(context, (number, tile), sample, *waiting, scratch);
+    if context.has_opacity::<N>() {
+        pass_through(context, scratch, paths.clone(), 0, true);
+    }
     let mut rays = paths.len() as u64;
     if context.max_bounces == 0 {
         scratch.observer.begin_rays::<L>(Stage::Finish, 0, &scratch.queue, &paths);
@@ -91,7 +95,7 @@ fn later_segments<L: Lane, const N: u64>(
     }
     rays += paths.len() as u64;
     scratch.observer.begin_rays::<L>(Stage::Trace, context.max_bounces, &scratch.queue, &paths);
-    let found = intersect::<L, N>(context, scratch, paths);
+    let found = intersect::<L, N>(context, scratch, paths, context.max_bounces);
     scratch.observer.begin(Some(Stage::Finish));
     shade_last::<L, N, false>(context, scratch, &found);
     rays
@@ -111,7 +115,7 @@ fn trace_bounce<L: Lane, const N: u64>(
     if bounce.is_multiple_of(RENORMALIZATION_INTERVAL) {
         scratch.queue.normalize_directions::<L>(paths.clone());
     }
-    let found = intersect::<L, N>(context, scratch, paths.clone());
+    let found = intersect::<L, N>(context, scratch, paths.clone(), bounce);
     scratch.observer.begin(Some(Stage::Shade));
     let shaded = shade::<L, N, false>(context, scratch, &found, bounce, to);
     shadow_rays::<L, N>(context, scratch, &shaded);

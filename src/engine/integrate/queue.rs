@@ -201,6 +201,10 @@ impl PathQueue {
         path.key.store(&mut self.key[at..]);
         path.slot.store(&mut self.slot[at..]);
     }
+    /// Sets bits of a path's key.
+    pub fn mark_key(&mut self, at: usize, bits: u32) {
+        self.key[at] |= bits;
+    }
     /// Renormalises the directions of a range of paths.
     pub fn normalize_directions<L: Lane>(&mut self, paths: Range<usize>) {
         for at in paths.step_by(L::WIDTH) {
@@ -267,7 +271,8 @@ pub struct ShadowQueue {
     t_max: Column,
     radiance: Vec3Columns,
     slot: IntColumn,
-    /// The indices of lights, and [`Cone`]s; stored only if [`crate::lights::Lights::needs_hits`].
+    /// The indices of lights, and [`Cone`]s; stored only if [`crate::lights::Lights::needs_hits`]
+    /// or rays may pass surfaces.
     light: IntColumn,
     cone_width: Column,
     cone_angle: Column,
@@ -292,6 +297,10 @@ impl ShadowQueue {
     pub fn queries<'a>(&'a self, queue: &'a mut PathQueue, count: usize) -> (Rays<'a>, Hits<'a>) {
         let rays = Rays::new(self.origin.from(0), self.direction.from(0)).first(count);
         (rays.until(&self.t_max), queue.other_hits())
+    }
+    /// Returns the t_max of a ray.
+    pub fn t_max(&self, at: usize) -> f32 {
+        self.t_max[at]
     }
     /// Returns the pixels of the packet at `at`, and the radiance that its rays carry.
     #[inline(always)]

@@ -26,6 +26,8 @@ pub struct Scratch {
     pub texels: IntColumn,
     /// The radiance of the sample.
     pub radiance: Radiance,
+    /// The number of rays that passed a hit and were asked again, and are not yet in a ray count.
+    pub asked_again: u64,
     /// The memory of traversals.
     pub tracer: Tracer,
     /// Statistics and path lengths, while they are recorded.
@@ -42,6 +44,7 @@ impl Scratch {
             pixels: Box::new(TilePixels::new()),
             texels: IntColumn::zeroed(),
             radiance: Radiance::zeroed(),
+            asked_again: 0,
             tracer: Tracer::new(),
             observer: Observer::default(),
         })

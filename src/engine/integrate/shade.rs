@@ -43,7 +43,7 @@ pub fn shade<L: Lane, const N: u64, const FIRST: bool>(
     let values = scratch.values.bounce(bounce);
     let mut accumulator = RadianceAccumulator::<FIRST> { contributions };
     debug_assert!(to <= paths.start, "{to} lies in {paths:?}");
-    correct_triangles::<L, N, FIRST>(context, scratch, paths);
+    correct_triangles::<L, N, FIRST>(context, scratch, paths, bounce);
     let (mut going_on, mut shadow_rays) = (0, 0);
     let columns = context.columns::<N>();
     let sample_lights = has(N, Features::LIGHTS) && !context.lights.is_empty();
@@ -112,7 +112,7 @@ pub fn shade_last<L: Lane, const N: u64, const FIRST: bool>(
         // Without emitters, hits add nothing.
         0..0
     };
-    correct_triangles::<L, N, FIRST>(context, scratch, &paths);
+    correct_triangles::<L, N, FIRST>(context, scratch, &paths, context.max_bounces);
     if reads_texels_first(N) {
         texels_of_hits::<L, N, FIRST>(context, &scratch.queue, paths.clone(), &mut scratch.texels);
     }
@@ -138,9 +138,10 @@ fn correct_triangles<L: Lane, const N: u64, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
     paths: &Range<usize>,
+    bounce: u32,
 ) {
     if has(N, Features::TRIANGLES) && !context.primitives.triangles.are_parallel {
-        correct_hits::<L, N, FIRST>(context, scratch, paths.clone());
+        correct_hits::<L, N, FIRST>(context, scratch, paths.clone(), bounce);
     }
 }
 

@@ -6,6 +6,7 @@ use super::context::has;
 use super::emission::{mis_weight, sky_radiance};
 use super::evaluation::{evaluate, has_sampled_lobe};
 use super::material::{MaterialSample, scattered_cone};
+use super::opacity;
 use super::queue::{Path, ShadowQueue, ShadowRay};
 use super::scratch::Scratch;
 use super::stats::{RayKind, Stage};
@@ -92,7 +93,7 @@ pub fn sample_direct_light<L: Lane, const N: u64>(
     let (direction, t_max) = segment_to(&sample, light.offset);
     let ray = ShadowRay { ray: Ray { origin, direction }, t_max, radiance, slot: path.slot };
     scratch.shadow_queue.store(count, carries, &ray);
-    if lights.needs_hits() {
+    if lights.needs_hits() || context.has_opacity::<N>() {
         scratch.shadow_queue.store_light(count, carries, light.index, scattered_cones::<L, N>(context, at));
     }
     count + carries.count()
@@ -185,6 +186,9 @@ fn segment_to<L: Lane>(sample: &LightSample<L>, offset: L) -> (Vec3<L>, L) {
 pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch, count: usize) {
     let Scratch { queue, shadow_queue, tracer, observer, radiance: sums, .. } = scratch;
     observer.begin_shadow_rays::<L>(count);
+    if context.has_opacity::<{ Features::ALL.0 }>() {
+        return opacity::trace_shadow_rays(context, scratch, count);
+    }
     let (rays, mut hits) = shadow_queue.queries(queue, count);
     find_occluders(context, tracer, &rays, &mut hits);
     observer.add_tests(RayKind::Shadow, tracer);
@@ -200,10 +204,10 @@ pub fn trace_shadow_rays<L: Lane>(context: &TraceContext, scratch: &mut Scratch,
     observer.begin(Some(Stage::Shade));
 }
 
-/// Traces shadow rays: finds whether they are occluded or, if [`crate::lights::Lights::needs_hits`], their
-/// hits.
+/// Traces shadow rays: finds whether they are occluded or, if [`crate::lights::Lights::needs_hits`] or rays
+/// may pass surfaces, their hits.
 pub(super) fn find_occluders(context: &TraceContext, tracer: &mut Tracer, rays: &Rays, hits: &mut Hits) {
-    match context.lights.needs_hits() {
+    match context.lights.needs_hits() || context.has_opacity::<{ Features::ALL.0 }>() {
         true => tracer.closest_in_scene(&context.structure, rays, hits),
         false => tracer.occluded_in_scene(&context.structure, rays, hits),
     }

@@ -1,10 +1,12 @@
 //! Corrects hits at silhouette edges: if a ray meets two triangles at one distance, it hits the near one.
 
 use super::context::TraceContext;
+use super::opacity::{Decision, first_stop};
+use super::queue::Path;
 use super::scratch::Scratch;
 use crate::kernel::surface::inset;
 use crate::lane::{Bits, Lane, Mask};
-use crate::math::{EPSILON, Hit, MISS};
+use crate::math::{EPSILON, Hit, MISS, Ray, Vec3};
 use crate::primitives::TriangleRow;
 use crate::rays::{Hits, Kind, Rays, Tracer};
 use std::ops::Range;
@@ -22,7 +24,8 @@ const MOST: f32 = 1.0 / 1024.0;
 /// continued from it would be inside the edge's body, or outside of a room.
 ///
 /// A ray from the original origin to a point a little inside the triangle and before it must be unoccluded;
-/// anything before that point becomes the hit. These visibility rays are not included in the ray count.
+/// anything before that point that the path does not pass becomes the hit. These visibility rays are not
+/// included in the ray count.
 ///
 /// With `FIRST`, the queue holds primary rays.
 #[inline(never)]
@@ -30,6 +33,7 @@ pub fn correct_hits<L: Lane, const N: u64, const FIRST: bool>(
     context: &TraceContext,
     scratch: &mut Scratch,
     paths: Range<usize>,
+    bounce: u32,
 ) {
     let ranges = context.primitives.ranges;
     for at in paths.clone().step_by(L::WIDTH) {
@@ -56,12 +60,33 @@ pub fn correct_hits<L: Lane, const N: u64, const FIRST: bool>(
         let before = ng.flip_sign(-ray.direction.dot(ng)).mul_add(error, point);
         for lane in at_edge.lanes() {
             let ends = [ray.origin.get(lane), before.get(lane)];
-            let nearer = first_between(context, &mut scratch.tracer, ends);
+            let mut nearer = first_between(context, &mut scratch.tracer, ends);
+            if context.has_opacity::<N>() {
+                let path = context.path::<f32, N, FIRST>(&scratch.queue, at + lane);
+                nearer = first_stop_between(context, scratch, path, (ends, nearer), bounce);
+            }
             if nearer.primitive != MISS {
                 scratch.queue.other_hits().set(at + lane, &nearer);
             }
         }
     }
+}
+
+/// Returns the first hit between two points that a path does not pass; `nearest` is the nearest one.
+#[inline(never)]
+fn first_stop_between(
+    context: &TraceContext,
+    scratch: &mut Scratch,
+    path: Path<f32>,
+    ([from, to], nearest): ([glam::Vec3; 2], Hit<f32>),
+    bounce: u32,
+) -> Hit<f32> {
+    let (direction, length) = (to - from).normalize_and_length();
+    let path = Path { ray: Ray { origin: Vec3::splat(from), direction: Vec3::splat(direction) }, ..path };
+    let decision = Decision::of_sample(scratch, bounce);
+    scratch
+        .tracer
+        .without_counting(|tracer| first_stop(context, tracer, &path, (nearest, length), decision).hit)
 }
 
 /// Returns the nearest hit between two points.

@@ -34,7 +34,8 @@ impl<'a> Emitted<'a> {
         {
             return 0.0;
         }
-        primitives::unit_power(primitive) * self.mean_radiance(number)
+        let material = &self.scene.materials[primitive.material() as usize];
+        primitives::unit_power(primitive) * self.mean_radiance(number) * f64::from(material.opacity)
     }
 
     /// Returns the emitted radiance of a primitive, the mean of its points and channels.

@@ -71,8 +71,10 @@ impl Selection {
         let merge = choice != LightChoice::Power;
         let emitters: Vec<usize> = (0..powers.len()).filter(|&number| powers[number] > 0.0).collect();
         let is_textured = |&number: &usize| has_texture(scene, number);
-        found.needs_hits =
-            emitters.iter().any(is_textured) || overlaps::exist(scene, |number| powers[number] > 0.0);
+        let may_be_passed =
+            |&number: &usize| !scene.materials[scene.primitive(number).material() as usize].is_opaque();
+        found.needs_hits = emitters.iter().any(|number| is_textured(number) || may_be_passed(number))
+            || overlaps::exist(scene, |number| powers[number] > 0.0);
         let is_triangle = |&number: &usize| matches!(scene.primitive(number), Primitive::Triangle(_));
         let triangles = emitters.iter().copied().filter(|number| merge && is_triangle(number));
         let textured: Vec<usize> = triangles.filter(is_textured).collect();

@@ -269,7 +269,8 @@ impl Renderer {
         };
     }
 
-    /// Returns the primary rays of one sample of every pixel, and their hits, tile by tile.
+    /// Returns the primary rays of one sample of every pixel, and their first hits, tile by tile. Paths may
+    /// pass these hits.
     pub fn primary_hits(&self, sample: u32) -> Vec<PrimaryHit> {
         let mut scratch = Scratch::new();
         let ranges = self.context.primitives.ranges;

@@ -56,6 +56,15 @@ pub(super) fn hash<B: Bits>(key: B, dimension: u32) -> B {
     mix_bits(key.wrapping_add(B::splat((dimension + 1).wrapping_mul(STRIDE))))
 }
 
+/// Returns a number for the decision of a path's segment at the hit `hit`, uniform in [0, 1): a hash of the
+/// key, the sample, the bounce and the hit. It uses no dimension of a sampler, because a segment may have any
+/// number of hits. The sample counts twice if it is part of the key already.
+pub fn hit_number(key: u32, sample: u32, bounce: u32, hit: u32) -> f32 {
+    let path = mix_bits(mix_bits(key).wrapping_add(sample.wrapping_mul(GOLDEN)));
+    let segment = mix_bits(path.wrapping_add((bounce + 1).wrapping_mul(STRIDE)));
+    unit_interval::<f32>(mix_bits(segment.wrapping_add(hit.wrapping_mul(GOLDEN))))
+}
+
 /// Returns the upper 24 bits as a number in [0, 1).
 #[inline(always)]
 pub fn unit_interval<L: Lane>(bits: L::Bits) -> L {

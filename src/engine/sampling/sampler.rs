@@ -73,6 +73,11 @@ impl SampleTable {
             }
         }
     }
+    /// Returns the number of the current sample.
+    pub fn sample(&self) -> u32 {
+        let (_, _, events) = self.of.expect("a sample has begun");
+        self.samples[self.begin / (events as usize + 1)].expect("a sample has begun")
+    }
     /// Returns the values of the position in the pixel.
     #[inline]
     pub fn pixel(&self) -> SampleValues {

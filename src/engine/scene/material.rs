@@ -29,6 +29,14 @@ pub struct Material {
     pub emission_map: Option<u32>,
     /// Parameters that few materials have.
     pub extras: MaterialExtras,
+    /// The share of rays that the surface stops, in [0, 1]; the others go straight through and do not see it.
+    /// It applies to every kind, and to emission.
+    pub opacity: f32,
+    /// The map whose red channel, linear and at most 1, multiplies `opacity`.
+    pub opacity_map: Option<u32>,
+    /// The least product of `opacity` and `opacity_map` that is opaque; below it, nothing is there. `None`
+    /// blends. Without a map it is not read.
+    pub alpha_cutoff: Option<f32>,
 }
 
 /// The parameters of glTF's extensions of materials. All but `attenuation` are of
@@ -99,6 +107,9 @@ impl Material {
             emission: Vec3::ZERO,
             emission_map: None,
             extras: MaterialExtras::default(),
+            opacity: 1.0,
+            opacity_map: None,
+            alpha_cutoff: None,
         }
     }
     /// Tests whether the material emits light.
@@ -115,9 +126,17 @@ impl Material {
         matches!(self.kind, Glass { .. } | ThinGlass { .. } | RoughGlass { .. })
             || self.extras.transmission > 0.0
     }
+    /// Tests whether every ray that hits the surface is stopped.
+    pub fn is_opaque(&self) -> bool {
+        match (self.opacity_map, self.alpha_cutoff) {
+            (None, _) => self.opacity >= 1.0,
+            (Some(_), cutoff) => cutoff.is_some_and(|cutoff| cutoff <= 0.0),
+        }
+    }
     /// Iterates over all textures of the material.
     pub fn textures(&self) -> impl Iterator<Item = u32> {
-        [self.texture, self.roughness_map, self.normal_map, self.emission_map].into_iter().flatten()
+        let Self { texture, roughness_map, normal_map, emission_map, opacity_map, .. } = *self;
+        [texture, roughness_map, normal_map, emission_map, opacity_map].into_iter().flatten()
     }
 }
 

@@ -109,6 +109,10 @@ pub enum TexelKind {
     Color,
     /// Normals or roughness: never decoded.
     Data,
+    /// The alpha channel; 1 if the picture has none.
+    Alpha,
+    /// The alpha channel; if the picture has none, its grey, which is not decoded.
+    AlphaOrGrey,
 }
 
 /// Returns the linear value of an sRGB value. Values above 1 follow the same curve. Source: IEC 61966-2-1.

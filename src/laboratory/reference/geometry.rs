@@ -75,6 +75,10 @@ impl Reference {
 pub(super) trait Primitive {
     /// The smallest t > 0 at which a ray hits it, and barycentric weights: see [`Hit`].
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)>;
+    /// All hits with t > 0.
+    fn hits(&self, origin: DVec3, direction: DVec3) -> Vec<(f64, f64, f64)> {
+        self.hit(origin, direction).into_iter().collect()
+    }
     /// The surface at a hit at `point`.
     fn surface(&self, point: DVec3, u: f64, v: f64) -> Surface;
     /// How far a right hit may lie from it: see [`super::verdict`].
@@ -187,6 +191,11 @@ pub(super) struct Surface {
 /// product of the roots: Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere
 /// Intersection", Ray Tracing Gems, 2019, ch. 7.
 pub fn hit_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -> Option<f64> {
+    sphere_roots(center, radius, origin, direction)?.into_iter().find(|&t| t > 0.0)
+}
+
+/// Where a line passes through a sphere, in order.
+fn sphere_roots(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
     let to_center = center - origin;
     let a = direction.length_squared();
     let b = to_center.dot(direction);
@@ -198,13 +207,18 @@ pub fn hit_sphere(center: DVec3, radius: f64, origin: DVec3, direction: DVec3) -
     }
     let q = b + (a * discriminant).sqrt().copysign(b);
     let (t0, t1) = ((to_center.length_squared() - radius * radius) / q, q / a);
-    [t0.min(t1), t0.max(t1)].into_iter().find(|&t| t > 0.0)
+    Some([t0.min(t1), t0.max(t1)])
 }
 
 impl Primitive for Sphere {
     #[inline(always)]
     fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64, f64)> {
         hit_sphere(self.center, self.radius, origin, direction).map(|t| (t, 0.0, 0.0))
+    }
+
+    fn hits(&self, origin: DVec3, direction: DVec3) -> Vec<(f64, f64, f64)> {
+        let roots = sphere_roots(self.center, self.radius, origin, direction).into_iter().flatten();
+        roots.filter(|&t| t > 0.0).map(|t| (t, 0.0, 0.0)).collect()
     }
 
     fn surface(&self, point: DVec3, _u: f64, _v: f64) -> Surface {

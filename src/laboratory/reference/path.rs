@@ -20,7 +20,7 @@
 //! | step | here | the engine's stage |
 //! |---|---|---|
 //! | 1. a ray through random points of the pixel (box filter) and the lens | [`Reference::camera_ray`] | generate: `generate.rs` |
-//! | 2. the nearest hit x′; on a miss, β · the sky, and the end | [`Reference::closest`] | trace: `intersect.rs` |
+//! | 2. the nearest hit x′ that stops the ray (opacity); on a miss, β · the sky, and the end | [`Reference::closest`] | trace: `intersect.rs`, `opacity.rs` |
 //! | 3. point, normals and textures at x′ | `geometry`, `texture` | shade: `surface.rs`, `material.rs` |
 //! | 4. β Lₑ joins the radiance | | shade: `emission.rs` |
 //! | 5. ω′, by *importance sampling* of the BSDF; β · f \|cos θ′\| / p; the next ray | `lobes` | shade: `bsdf.rs` |
@@ -34,10 +34,11 @@
 //! before by *Russian roulette*. `octray inspect SCENE --pixel X,Y` prints a path, of this file and of the
 //! engine, on the same random numbers.
 
-use super::geometry::{Reference, Surface};
+use super::geometry::{Hit, Reference, Surface};
 use super::{lobes, rough_glass, texture, values};
 use crate::path_vertex::{PathVertex, lobe};
 use crate::sampling::dimension::{LENS, LOBE, PIXEL, bounce};
+use crate::sampling::random::hit_number;
 use crate::sampling::{PixelCoordinates, SampleValues, Sampler};
 use crate::scene::{Lens, Material, MaterialKind, Projection, Side, Sky};
 use glam::DVec3;
@@ -107,7 +108,8 @@ impl Reference {
         for b in 0..=settings.max_bounces {
             // 2. The nearest hit.
             let vertex = PathVertex { throughput: throughput.into(), ..PathVertex::default() };
-            let Some(hit) = self.closest(origin, direction) else {
+            let passing = |hit| f64::from(hit_number(key, sample, b, hit));
+            let Some(hit) = self.first_stop((origin, direction), (width, cone_angle), passing) else {
                 let emitted = throughput * (self.sky(direction, cone_angle) + self.suns(direction));
                 radiance += emitted;
                 vertices.push(PathVertex { emitted: emitted.into(), radiance: radiance.into(), ..vertex });
@@ -183,6 +185,51 @@ impl Reference {
             origin = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
         }
         vertices
+    }
+
+    /// Returns the first hit of a ray that stops it: its random number, by [`hit_number`], is below the
+    /// opacity. `cone` is the ray cone at the origin: its width and its angle.
+    fn first_stop(
+        &self,
+        (origin, direction): (DVec3, DVec3),
+        cone: (f64, f64),
+        number: impl Fn(u32) -> f64,
+    ) -> Option<Hit> {
+        if self.materials.iter().all(Material::is_opaque) {
+            return self.closest(origin, direction);
+        }
+        let all = (0..).map_while(|number| Some((number, self.primitive(number)?)));
+        let hits = all.flat_map(|(primitive, shape)| {
+            let hits = shape.hits(origin, direction).into_iter();
+            hits.map(move |(t, u, v)| Hit { primitive, t, u, v })
+        });
+        let mut hits: Vec<Hit> = hits.collect();
+        // Of equal t, the lower index stays first.
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t));
+        hits.into_iter().find(|hit| {
+            let primitive = self.primitive(hit.primitive).expect("the primitive that was hit");
+            let surface = primitive.surface(origin + direction * hit.t, hit.u, hit.v);
+            let cosine = -direction.dot(surface.ng);
+            let width = cone.0 + cone.1 * hit.t;
+            let area = width * width / cosine.abs().max(LEAST_COSINE) * surface.density;
+            // The two hits of a sphere are two events.
+            let event = 2 * hit.primitive + u32::from(cosine < 0.0);
+            number(event) < self.opacity(&self.materials[surface.material], &surface, area)
+        })
+    }
+
+    /// Returns the share of rays that a surface stops.
+    fn opacity(&self, material: &Material, surface: &Surface, area: f64) -> f64 {
+        if material.is_opaque() {
+            return 1.0;
+        }
+        let texel = self.lookup(material.opacity_map, surface.uv, surface.wraps, area).x.min(1.0);
+        let opacity = f64::from(material.opacity) * texel;
+        match material.alpha_cutoff.filter(|_| material.opacity_map.is_some()) {
+            Some(cutoff) if opacity < f64::from(cutoff) => 0.0,
+            Some(_) => 1.0,
+            None => opacity,
+        }
     }
 
     /// Returns the emitted radiance.

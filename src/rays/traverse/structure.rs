@@ -112,6 +112,12 @@ impl Structure {
         matches!(self.primitives, Primitives::List(_))
     }
 
+    /// Returns whether queries take rays with lower bounds ([`Rays::beyond`](crate::Rays::beyond)): the
+    /// caller's tests do not.
+    pub fn accepts_lower_bounds(&self) -> bool {
+        !matches!(self.primitives, Primitives::Custom(_))
+    }
+
     /// Returns the candidates that [`super::Tracer::occluded_in_scene`] tests; `None` means all primitives.
     pub fn occluders(&self) -> Option<&Candidates> {
         self.occluders.as_ref().map(|occluders| &occluders.candidates)

@@ -73,7 +73,7 @@ fn models_of_every_format_are_read_by_every_command() {
 #[test]
 fn convert_says_what_of_a_model_it_leaves_out() {
     let desk = Desk::new();
-    desk.write("odd.mtl", "newmtl a\nKd 1 1 1\nd 0.5\n");
+    desk.write("odd.mtl", "newmtl a\nKd 1 1 1\nillum 10\n");
     desk.write("odd.obj", "mtllib odd.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
     let said = desk.warnings("convert odd.obj odd.json");
     assert!(said.contains("odd.mtl"), "{said}");

@@ -137,7 +137,7 @@ fn words_of_other_programs_are_understood() {
         ("camera", "image_width", "did you mean `resolution` of the scene?"),
         ("camera", "defocus_angle", "did you mean `aperture_radius`?"),
         ("scene", "samplesPerPixel", "octray render --samples N"),
-        ("glass", "transparency", "`glass` lets light through"),
+        ("glass", "transparency", "did you mean `opacity`?"),
         ("sphere", "albedo", "an entry of `materials`"),
     ] {
         assert_refused(|word| with_word(part, word), "", &[(word, "", words)]);
@@ -295,6 +295,9 @@ fn materials_out_of_range_or_with_keys_of_another_type_are_refused() {
         (r#""type": "metal", "thin": true"#, ".thin", "make the type `glass`"),
         (r#""type": "emitter", "emission_map": "p.png""#, ".emission_map", "`texture`"),
         (r#""type": "emitter", "color": [1,1,1]"#, ".color", "`emission`"),
+        (r#""type": "glass", "opacity": 1.5"#, ".opacity", "from 0 to 1"),
+        (r#""type": "diffuse", "alpha_cutoff": 0.5"#, ".alpha_cutoff", "add an `opacity_map`"),
+        (r#""type": "diffuse", "opacity_map": "p.png", "alpha_cutoff": -1"#, ".alpha_cutoff", "from 0 to 1"),
         (r#""type": "diffuse", "filter": "nearest""#, ".filter", "add a `texture`"),
     ];
     assert_refused(material, "materials.m", &cases);

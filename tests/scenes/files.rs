@@ -116,10 +116,15 @@ fn metal_rough_and_turned_skies_are_read() {
         &folder_with("p.png"),
         r#""spheres": [{ "center": [1,2,3], "radius": 2, "material": "m" }],
         "materials": { "m": { "type": "metal-rough", "emission_map": "p.png" },
+                       "o": { "type": "emitter", "opacity": 0.25, "opacity_map": "p.png", "alpha_cutoff": 0.5 },
                        "n": { "type": "metal-rough", "metallic": 0.25, "roughness": 0, "roughness_map": "p.png", "ior": 9 } },
         "sky": { "texture": "p.png", "turn_degrees": -90 }"#,
     );
-    let [m, n] = [0, 1].map(|index: usize| &scene.materials[index]);
+    let [m, o, n] = [0, 1, 2].map(|index: usize| &scene.materials[index]);
+    assert_eq!((m.opacity, o.opacity, o.alpha_cutoff), (1.0, 0.25, Some(0.5)));
+    // The luminance of red, as bytes without decoding.
+    let grey = scene.textures[o.opacity_map.unwrap() as usize].texels.linear(0);
+    assert!(grey.iter().all(|x| (x - 0.2126).abs() < 0.5 / 255.0), "{grey:?}");
     assert_eq!(m.kind, MaterialKind::MetalRough { roughness: 1.0, metallic: 1.0, ior: 1.5 });
     assert_eq!((m.emission, m.emission_map.is_some(), m.color), (Vec3::ONE, true, Vec3::ONE));
     assert_eq!(n.kind, MaterialKind::MetalRough { roughness: 0.0, metallic: 0.25, ior: 9.0 });

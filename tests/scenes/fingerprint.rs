@@ -32,7 +32,7 @@ fn each_change_of_a_scene_changes_one_checksum() {
     let sums = |scene: &Scene| serde_json::to_value(Fingerprint::from_scene(scene)).unwrap();
     let own = sums(&scene);
     type Change = fn(&mut Scene);
-    let changes: [(Change, &str); 21] = [
+    let changes: [(Change, &str); 22] = [
         (|scene| scene.name.push('x'), ""),
         (|scene| scene.resolution[0] += 1, ""),
         (|scene| scene.camera.position.x += 1e-3, "camera"),
@@ -46,6 +46,7 @@ fn each_change_of_a_scene_changes_one_checksum() {
         (|scene| scene.sky = Sky::Color(Vec3::splat(0.123)), "sky"),
         (|scene| scene.portals.push(Portal { vertices: [Vec3::ZERO; 4] }), "sky"),
         (|scene| scene.materials[0].color.y *= 0.5, "materials"),
+        (|scene| scene.materials[0].opacity = 0.5, "materials"),
         (|scene| scene.textures[0].width += 1, "textures"),
         (|scene| scene.textures[1].texels = Texels::Srgb8(vec![[5, 4, 5, 5]]), "textures"),
         (|scene| scene.textures[1].filter = Filter::Bilinear, "textures"),

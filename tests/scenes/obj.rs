@@ -190,7 +190,8 @@ fn maps_of_the_mtl_are_read_as_numbers() {
 #[test]
 fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
     for (statements, warning) in [
-        ("d 0.7\n", ":2: a partly transparent material that is not glass is shown opaque."),
+        ("d 0\n", ":2: a material without opacity is invisible."),
+        ("illum 7\nmap_d p.png\n", ":3: glass is shown without its `map_d`."),
         ("illum 4\nKs 1 1 1\n", ":2: `illum 4` is shown diffuse: a mirror is `illum 3`, glass `illum 7`."),
         ("illum 7\nNi 1.0\n", ":3: glass with `Ni 1` does not refract and is invisible."),
         ("illum 7\nmap_Kd p.png\n", ":3: glass is shown without its `map_Kd`."),
@@ -216,6 +217,38 @@ fn what_is_left_out_of_a_material_is_a_warning_with_its_line() {
     let silent = "# note\nKa 1 1 1\nKs 1 1 1\nNs 20\nNi 1.45\nd 1\nTr 0\nTf 1 1 1\nillum 2\n\n";
     assert_eq!(with_material(silent).2, [""; 0]);
     assert_eq!(with_material("Tr 1\n").2, [""; 0], "what some programs write of opaque things");
+}
+
+#[test]
+fn dissolve_is_opacity() {
+    let folder = Folder::new();
+    image::RgbaImage::from_raw(2, 1, vec![9, 9, 9, 51, 8, 8, 8, 255])
+        .unwrap()
+        .save(folder.path("a.png"))
+        .unwrap();
+    image::GrayImage::from_raw(2, 1, vec![51, 255]).unwrap().save(folder.path("g.png")).unwrap();
+    image::RgbImage::from_raw(2, 1, vec![255; 6]).unwrap().save(folder.path("w.png")).unwrap();
+    for (statements, opacity, is_mapped) in [
+        ("d 0.75", 0.75, false),
+        ("Tr 0.75", 0.25, false),
+        ("Tr 0.75\nd 0.5", 0.5, false),
+        ("d 2", 1.0, false),
+        ("map_Kd a.png\nmap_d a.png", 1.0, true),
+        ("map_d g.png\nd 0.5", 0.5, true),
+        ("map_d w.png", 1.0, false),
+        ("illum 7\nd 0.5", 1.0, false),
+    ] {
+        let scene = load_with_mtl(&folder, &format!("newmtl a\n{statements}\n")).unwrap();
+        assert!(scene.warnings.is_empty(), "{statements}: {:?}", scene.warnings);
+        let material = one_material(&scene);
+        assert_eq!((material.opacity, material.opacity_map.is_some()), (opacity, is_mapped), "{statements}");
+        let texels = material.opacity_map.map(|map| &scene.textures[map as usize].texels);
+        assert!(
+            texels.is_none_or(|texels| *texels == Texels::Unorm8(vec![[51, 51, 51, 0], [255, 255, 255, 0]]))
+        );
+    }
+    let scene = load_with_mtl(&folder, "newmtl a\nmap_Kd a.png\n").unwrap();
+    assert!(scene.warnings[0].contains("a.png: its transparency is left out"), "{:?}", scene.warnings);
 }
 
 #[test]

@@ -252,6 +252,16 @@ impl SceneBuilder {
             push_at(&mut self.scene.normals, number, normals);
         }
     }
+    /// Returns an opacity map that was just loaded, or removes it if it is 1 everywhere, as in many models:
+    /// opaque materials are faster. The scene had `known` textures before.
+    pub fn opacity_map(&mut self, map: Option<u32>, known: usize) -> Option<u32> {
+        let texels = &self.textures.list[map? as usize].texels;
+        if (0..texels.len()).any(|index| texels.linear(index)[0] < 1.0) {
+            return map;
+        }
+        self.textures.truncate(known);
+        None
+    }
     /// Turns the notes about a file into warnings, with `separator` between the file's name and the place.
     pub fn warn_of_notes(&mut self, path: &Path, separator: &str) {
         for warning in std::mem::take(&mut self.notes).warnings(path, separator) {
@@ -290,7 +300,7 @@ impl SceneBuilder {
             attenuation.distance = (f64::from(attenuation.distance) / unit) as f32;
         }
         self.colors.lay_out(&mut self.textures.list, &mut self.scene.uvs)?;
-        std::mem::take(&mut self.textures.left_out).into_iter().for_each(|what| self.warn(what));
+        self.textures.take_left_out().into_iter().for_each(|what| self.warn(what));
         if sky.is_black() && !self.scene.emits() {
             self.warn("Nothing in the scene emits light and the sky is black: the picture will be black.");
         }

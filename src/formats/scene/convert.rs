@@ -234,11 +234,18 @@ fn material_text(scene: &Scene, material: &Material, paths: &[String]) -> String
     if material.emits() {
         set("emission", channels(material.emission));
     }
+    if material.opacity < 1.0 {
+        set("opacity", json!(f64::from(material.opacity)));
+    }
+    if let Some(cutoff) = material.alpha_cutoff {
+        set("alpha_cutoff", json!(f64::from(cutoff)));
+    }
     let textures = [
         ("texture", material.texture),
         ("roughness_map", material.roughness_map),
         ("normal_map", material.normal_map),
         ("emission_map", material.emission_map),
+        ("opacity_map", material.opacity_map),
     ];
     let is_colored = vertex_colors_of(scene, material).is_some();
     for (key, index) in textures.into_iter().filter(|_| !is_colored) {

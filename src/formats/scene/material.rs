@@ -60,6 +60,8 @@ pub fn material(
         None if kind == MaterialKind::Emitter || file.emission_map.is_some() => Vec3::ONE,
         None => Vec3::ZERO,
     };
+    let cutoff = |cutoff| place.key("alpha_cutoff").fraction(cutoff);
+    let alpha_cutoff = file.alpha_cutoff.map(cutoff).transpose()?;
     let mut load = |key: &'static str, path: &Option<String>, texel_kind| {
         let lookup = Lookup { filter: filter(file.filter), wrap: wrap(file.wrap), kind: texel_kind };
         let load = |path| texture(builder, &place.key(key), path, lookup);
@@ -72,6 +74,9 @@ pub fn material(
         emission,
         emission_map: load("emission_map", &file.emission_map, TexelKind::Color)?,
         extras: material_extras::read(file, emission, place)?,
+        opacity: place.key("opacity").fraction(file.opacity.unwrap_or(1.0))?,
+        opacity_map: load("opacity_map", &file.opacity_map, TexelKind::AlphaOrGrey)?,
+        alpha_cutoff,
         ..Material::new(name, kind, color)
     };
     let texture_size = match file.texture_size {
@@ -126,7 +131,8 @@ pub fn has_key(material_type: &str, key: &str) -> bool {
 
 /// Tests whether this is a key of materials, by any of its names.
 pub fn is_key(word: &str) -> bool {
-    let keys = ["color", "emission", "roughness", "metallic", "ior", "thin", "texture", "normal_map"];
+    let keys =
+        ["color", "emission", "roughness", "metallic", "ior", "thin", "texture", "normal_map", "opacity"];
     RULES.iter().any(|(key, ..)| *key == word)
         || keys.contains(&word)
         || !did_you_mean(word, &keys).is_empty()
@@ -151,7 +157,12 @@ fn check_keys(file: &MaterialFile, place: &JsonPath) -> Result<(), SceneError> {
         let what = "a `roughness_map` multiplies `roughness` and cannot change a `roughness` of 0";
         return Err(place.key("roughness_map").error(what, mend));
     }
-    let pictures = [&file.texture, &file.roughness_map, &file.normal_map, &file.emission_map];
+    if file.alpha_cutoff.is_some() && file.opacity_map.is_none() {
+        let mend = "remove it, or add an `opacity_map`: the `texture` again, if its alpha cuts parts out";
+        return Err(place.key("alpha_cutoff").error("`alpha_cutoff` without an `opacity_map`", mend));
+    }
+    let MaterialFile { texture, roughness_map, normal_map, emission_map, opacity_map, .. } = file;
+    let pictures = [texture, roughness_map, normal_map, emission_map, opacity_map];
     if pictures.iter().all(|path| path.is_none()) {
         needs_texture("filter", file.filter.is_some(), place, "")?;
         needs_texture("wrap", file.wrap.is_some(), place, "")?;

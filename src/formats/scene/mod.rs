@@ -7,6 +7,7 @@
 //!
 //! The scene model itself is the engine's, re-exported here.
 
+mod alpha;
 mod builder;
 mod camera;
 mod camera_path;

@@ -74,7 +74,7 @@ enum Reads {
 const STATEMENTS: [(Reads, &[&str]); 5] = [
     (Reads::Color, &["Kd", "Ks", "Ke", "Tf"]),
     (Reads::Number, &["illum", "d", "Tr", "Ni", "Ns", "Pm", "Pr"]),
-    (Reads::Map, &["map_Kd", "map_Ke", "map_Pr", "map_Pm", "norm", "map_Kn", BUMP, "map_Ka"]),
+    (Reads::Map, &["map_Kd", "map_Ke", "map_Pr", "map_Pm", "norm", "map_Kn", BUMP, "map_Ka", "map_d"]),
     (Reads::Layer, &["Pc", "Pcr", "Ps", "aniso", "anisor"]),
     (Reads::Nothing, &["Ka"]),
 ];
@@ -237,14 +237,15 @@ impl Entry {
                 note(line, "glass with `Ni 1` does not refract and is invisible");
             }
             let roughness = self.numbers.get("Pr").filter(|&&(roughness, _)| roughness > 0.0);
-            let maps = ["map_Kd", "map_Pr", "map_Pm"].map(|key| Some((key, self.maps.get(key)?.line)));
+            let maps =
+                ["map_Kd", "map_Pr", "map_Pm", "map_d"].map(|key| Some((key, self.maps.get(key)?.line)));
             for (key, line) in maps.into_iter().chain([roughness.map(|&(_, line)| ("Pr", line))]).flatten() {
                 note(line, &format!("glass is shown without its `{key}`"));
             }
             return;
         }
-        if let Some((_, line)) = opacity.filter(|&(opacity, _)| opacity < 1.0) {
-            note(line, "a partly transparent material that is not glass is shown opaque");
+        if let Some((_, line)) = opacity.filter(|&(opacity, _)| opacity <= 0.0) {
+            note(line, "a material without opacity is invisible");
         }
         if let Some(&(filter, line)) = self.colors.get("Tf")
             && ![DVec3::ZERO, DVec3::ONE].contains(&filter)
@@ -319,7 +320,7 @@ impl Entry {
         let texture = map("map_Kd", !is_glass);
         let (metallic, rough) = (map("map_Pm", is_packed), map("map_Pr", kind.has_roughness()));
         let normals = map("norm", true).or_else(|| map("map_Kn", true)).or_else(|| map(BUMP, true));
-        let glow = map("map_Ke", true);
+        let (glow, dissolve) = (map("map_Ke", true), map("map_d", !is_glass));
         // A map of emission without a colour, or with a black one beside it, shows its own colours.
         let emission = self.color("Ke").filter(|&color| glow.is_none() || color != DVec3::ZERO);
         let emission = emission.unwrap_or(if glow.is_some() { DVec3::ONE } else { DVec3::ZERO });
@@ -333,6 +334,12 @@ impl Entry {
             emission_map: glow.and_then(|map| map.color(beside, builder)),
             ..material
         };
+        let known = builder.textures.list.len();
+        let opacity_map = dissolve.and_then(|map| map.opacity(beside, builder));
+        let opacity_map = builder.opacity_map(opacity_map, known);
+        let opacity =
+            self.opacity().filter(|_| !is_glass).map_or(1.0, |(opacity, _)| opacity.clamp(0.0, 1.0));
+        let material = Material { opacity: opacity as f32, opacity_map, ..material };
         // A missing file emits nothing.
         let is_dark = glow.is_some() && material.emission_map.is_none();
         let emission = if is_dark { self.color("Ke").unwrap_or_default() } else { emission };

@@ -111,6 +111,8 @@ impl Map {
                 self.channel = named.map(|(name, _)| *name);
                 return Ok(named.is_some());
             }
+            // The alpha channel.
+            "-imfchan" if keyword == b"map_d" && values == ["m"] => {}
             _ => return Ok(false),
         }
         Ok(true)
@@ -154,6 +156,11 @@ impl Map {
             builder.notes.add(&self.line, what);
         }
         map
+    }
+
+    /// Loads a map of opacity: the alpha channel, or the grey of an image without one.
+    pub fn opacity(&self, beside: [&Path; 2], builder: &mut SceneBuilder) -> Option<u32> {
+        self.load(beside, TexelKind::AlphaOrGrey, "", builder, &mut |_, image| image)
     }
 
     /// Loads a map of numbers, as the red channel of a texture.

@@ -33,7 +33,14 @@ pub fn example(key: &str) -> Option<&'static str> {
         "f_number" => "2.8",
         "focus_distance" | "orthographic_height" => "4",
         "blades" => "6",
-        "roughness" | "metallic" | "transmission" | "specular" | "clearcoat" | "clearcoat_roughness" => "0.5",
+        "roughness"
+        | "metallic"
+        | "transmission"
+        | "specular"
+        | "clearcoat"
+        | "clearcoat_roughness"
+        | "opacity"
+        | "alpha_cutoff" => "0.5",
         "ior" => "1.5",
         "thin" => "true",
         "vertical_fov" | "turn_degrees" => "40",
@@ -52,7 +59,7 @@ pub fn example(key: &str) -> Option<&'static str> {
         "inner_degrees" | "outer_degrees" => "30",
         "angular_diameter_degrees" => "0.53",
         "light_units" => "\"radiometric\"",
-        "texture" | "roughness_map" | "normal_map" | "emission_map" => "\"picture.png\"",
+        "texture" | "roughness_map" | "normal_map" | "emission_map" | "opacity_map" => "\"picture.png\"",
         "filter" => "\"bilinear\"",
         "wrap" => "\"clamp\"",
         "smooth" => "30",
@@ -193,6 +200,11 @@ pub struct MaterialFile {
     pub roughness_map: Option<String>,
     pub normal_map: Option<String>,
     pub emission_map: Option<String>,
+    /// The share of rays that are stopped.
+    pub opacity: Option<f64>,
+    pub opacity_map: Option<String>,
+    /// Missing: the opacity is blended.
+    pub alpha_cutoff: Option<f64>,
     /// Scene units that one repeat of the texture covers on triangles without `uvs`.
     pub texture_size: Option<f64>,
     pub filter: Option<FilterFile>,

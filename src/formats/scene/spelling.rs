@@ -36,7 +36,7 @@ fn abbreviated<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 
 /// Names of keys and of types of materials in *Ray Tracing in One Weekend*, Mitsuba, pbrt, Blender and glTF,
 /// as [`plain`] writes them, and our names for them. The first of ours that is known at a place is suggested.
-const SYNONYMS: [(&str, &[&str]); 34] = [
+const SYNONYMS: [(&str, &[&str]); 36] = [
     ("position location translation translate origin from pos", &["position", "center", "translate"]),
     ("toworld transform matrix", &["translate", "center", "position"]),
     ("rotation euler rotationeuler", &["rotate_degrees", "turn_degrees"]),
@@ -60,13 +60,15 @@ const SYNONYMS: [(&str, &[&str]); 34] = [
     ("bsdf mat", &["material"]),
     ("albedo reflectance basecolor colour rgb kd diffuse diffusereflectance attenuation", &["color"]),
     ("r diameter", &["radius"]),
-    ("fuzz fuzziness alpha roughnessfactor", &["roughness"]),
+    ("fuzz fuzziness roughnessfactor", &["roughness"]),
     ("metalness", &["metallic"]),
     ("refidx refractionindex refractiveindex indexofrefraction eta intior", &["ior"]),
     (
         "emissive emit emits light diffuselight arealight radiance le power intensity strength",
         &["emission", "emitter"],
     ),
+    ("transparency alpha dissolve d tr", &["opacity"]),
+    ("alphamap alphatexture mapd mask transparencymap", &["opacity_map"]),
     ("image imagetexture bitmap filename file path map", &["texture", "model"]),
     ("bump bumpmap normaltexture", &["normal_map"]),
     ("lambertian lambert matte diffusebsdf diffusetransmission", &["diffuse"]),
@@ -77,7 +79,7 @@ const SYNONYMS: [(&str, &[&str]); 34] = [
 ];
 
 /// Other programs' keys, and what octray has in their place.
-const INSTEAD: [(&str, &str); 7] = [
+const INSTEAD: [(&str, &str); 6] = [
     ("lamps ambient", "`lights`, materials with `emission`, and `sky` are the light"),
     ("world", "`spheres`, `triangles` and `meshes` hold the objects, `sky` is the light around them"),
     (
@@ -88,7 +90,6 @@ const INSTEAD: [(&str, &str); 7] = [
         "time time0 time1 shutter shutteropen shutterclose motionblur center1 center2",
         "nothing moves in a picture",
     ),
-    ("opacity transparency", "the type `glass` lets light through"),
     ("samples", "give samples as an option: octray render --samples N"),
     ("seed exposure tone threads sampler integrator", "that is an option: see octray render --help"),
 ];

@@ -1,5 +1,6 @@
 //! Decodes PNG, JPEG, WebP, BMP, TGA, HDR and EXR files to textures.
 
+use super::alpha::alpha_texels;
 use super::colorimetry::{self, linear, to_rec709};
 use super::files::Files;
 use super::radiance::Radiance;
@@ -29,6 +30,10 @@ const MAX_BYTES: usize = 4 << 30;
 const FEW_PIXELS: u64 = 1 << 24;
 /// Least number of bytes that a texture counts for its name and its places in tables.
 const LEAST_BYTES: usize = 1 << 10;
+
+/// The clause about an alpha channel that a colour texture does not use.
+const TRANSPARENCY: &str =
+    "its transparency is left out: an `opacity_map` (MTL: `map_d`) of the same picture shows it";
 
 /// Width, height and texels of an image.
 pub type Decoded = (u32, u32, Texels);
@@ -127,6 +132,16 @@ impl Textures {
         self.list.truncate(count);
         self.known.retain(|_, number| (*number as usize) < count);
     }
+    /// Takes the sentences about what is left out. The transparency of a picture that is an opacity map, too,
+    /// is not.
+    pub fn take_left_out(&mut self) -> Vec<String> {
+        let is_alpha = |kind: TexelKind| matches!(kind, TexelKind::Alpha | TexelKind::AlphaOrGrey);
+        let maps = self.known.keys().filter(|(_, lookup)| is_alpha(lookup.kind));
+        let shown: Vec<String> =
+            maps.map(|(path, ..)| format!("{}: {TRANSPARENCY}.", path.display())).collect();
+        self.left_out.retain(|sentence| !shown.contains(sentence));
+        std::mem::take(&mut self.left_out)
+    }
     fn decode(&mut self, bytes: &[u8], path: &Path, texel_kind: TexelKind) -> Result<Decoded, String> {
         let mut left_out = Vec::new();
         let decoded = decode(bytes, path, texel_kind, self.ignores_profiles, &mut left_out)?;
@@ -220,10 +235,13 @@ fn decode(
     let profile = is_color.then(|| profile(bytes, &mut decoder, left_out));
     let picture = DynamicImage::from_decoder(decoder).map_err(refused)?;
     if is_color && picture.color().has_alpha() && picture.pixels().any(|(_, _, pixel)| pixel[3] < u8::MAX) {
-        left_out.push("its transparency is left out".to_string());
+        left_out.push(TRANSPARENCY.to_string());
     }
     if format == ImageFormat::Jpeg && !has_end(bytes) {
         left_out.push("its end is missing: the last rows may be wrong".to_string());
+    }
+    if matches!(texel_kind, TexelKind::Alpha | TexelKind::AlphaOrGrey) {
+        return Ok(alpha_texels(picture, texel_kind));
     }
     let texels = match profile.map(|profile| linear(&profile?, &picture)) {
         Some(Some(Some(converted))) if !ignores_profiles => converted,
@@ -305,6 +323,11 @@ fn linear_texels(
     let lowest = pixels.iter().flatten().fold(0.0, |lowest: f32, channel| lowest.min(*channel));
     let what = format!("values below 0, down to {lowest:e}, became 0");
     replace(&mut pixels, |channel| channel < 0.0, 0.0, &what, left_out);
+    if texel_kind == TexelKind::AlphaOrGrey {
+        // The luminance of Rec. 709; their alpha is not read.
+        let grey = |[r, g, b]: [f32; 3]| [0.2126 * r + 0.7152 * g + 0.0722 * b; 3];
+        pixels.iter_mut().for_each(|pixel| *pixel = grey(*pixel));
+    }
     Texels::Float32(pixels.into_iter().map(|[r, g, b]| [r, g, b, 0.0]).collect())
 }
 
@@ -334,7 +357,7 @@ fn too_large() -> String {
 }
 
 /// Makes texels of the other formats' display values (sRGB) or data, of 8 or 16 bits.
-fn display_texels(picture: DynamicImage, texel_kind: TexelKind) -> Texels {
+pub fn display_texels(picture: DynamicImage, texel_kind: TexelKind) -> Texels {
     use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
     match picture {
         ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_) => {

@@ -64,7 +64,6 @@ fn what_is_left_out_is_said_with_its_place() {
             "uncompressed copy",
         ),
         ("meshes/0/primitives/0/targets", json!([{}]), "meshes[0].primitives[0]", "morph"),
-        ("materials/0/alphaMode", json!("BLEND"), "materials[0].alphaMode", "opaque"),
         ("materials/0/extensions", sheen, "materials[0].extensions.KHR_materials_sheen", "left out"),
         ("materials/0/pbrMetallicRoughness", gone, "materials[0].pbrMetallicRoughness", "no `textures[3]`"),
     ] {

@@ -1,6 +1,6 @@
 //! Materials, textures and vertex colours of glTF models.
 
-use super::{Loaded, floats, material, model, pictured, push, put_colours, read_with, square};
+use super::{Loaded, append, floats, material, model, pictured, push, put_colours, read_with, square};
 use glam::{DVec3, Vec2, Vec3, vec2, vec3};
 use octray::scene::{
     Attenuation, Filter, Material, MaterialExtras, MaterialKind, Scene, Texels, Wrap, convert_model,
@@ -304,7 +304,6 @@ fn what_of_textures_is_left_out_is_said_with_its_place() {
         json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0");
     };
     warned(&unmapped, "meshes[0].primitives[0]", "without its texture coordinates");
-    warned(&|json| json["materials"][0]["alphaMode"] = json!("MASK"), "materials[0].alphaMode", "cut-out");
     let (json, binary) = pictured(|json| json["materials"][0]["emissiveTexture"] = json!({ "index": 0 }));
     let scene = read_with(&json, &binary).unwrap().scene;
     assert!(scene.textures.is_empty() && scene.materials[0].emission_map.is_none(), "its factor is 0");
@@ -332,4 +331,57 @@ fn samplers_clamp_and_mirror_and_webp_images_come_first() {
     }
     let again = folder.load("s.json", converted.text).unwrap();
     assert_eq!((again.textures[0].wrap, again.uvs), (scene.textures[0].wrap, scene.uvs));
+}
+
+#[test]
+fn alpha_modes_are_opacities_that_convert_keeps() {
+    let of = |keys: Value, factor: f64, alphas: Option<[u8; 2]>| {
+        let mut binary = square();
+        let json = model(|json| {
+            let pixels = alphas.unwrap_or_default().map(|alpha| [200, 100, 50, alpha]).concat();
+            let mut png = std::io::Cursor::new(Vec::new());
+            let picture = image::RgbaImage::from_raw(2, 1, pixels).unwrap();
+            picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
+            append(json, &mut binary, &png.into_inner(), json!({}));
+            json["images"] = json!([{ "bufferView": 2, "mimeType": "image/png" }]);
+            json["textures"] = json!([{ "source": 0 }]);
+            json["materials"][0] = keys;
+            json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorFactor": [1, 1, 1, factor] });
+            if alphas.is_some() {
+                json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": 0 });
+            }
+        });
+        let Loaded { scene, folder, path } = read_with(&json, &binary).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        let shown = |scene: &Scene| {
+            let Material { opacity, opacity_map, alpha_cutoff, .. } = scene.materials[0];
+            let texels = opacity_map.map(|map| scene.textures[map as usize].texels.clone());
+            (opacity, texels, alpha_cutoff)
+        };
+        let converted = convert_model(&path, &folder.path("s.json")).unwrap();
+        converted.pictures.iter().for_each(|(name, bytes)| drop(folder.write(name.to_str().unwrap(), bytes)));
+        assert_eq!(shown(&scene), shown(&folder.load("s.json", converted.text).unwrap()));
+        shown(&scene)
+    };
+    let (blend, mask) =
+        (json!({ "alphaMode": "BLEND" }), json!({ "alphaMode": "MASK", "alphaCutoff": 0.25 }));
+    let halves = Some([255, 51]);
+    let texels = || Some(Texels::Unorm8(vec![[255, 255, 255, 0], [51, 51, 51, 0]]));
+    let cases = [
+        (json!({}), 0.5, halves, (1.0, None, None)),
+        (json!({ "alphaMode": "OPAQUE" }), 0.5, None, (1.0, None, None)),
+        (blend.clone(), 0.5, None, (0.5, None, None)),
+        (blend.clone(), 0.5, halves, (0.5, texels(), None)),
+        // A picture without transparency needs no map.
+        (blend, 0.75, Some([255; 2]), (0.75, None, None)),
+        (mask.clone(), 0.5, halves, (0.5, texels(), Some(0.25))),
+        (mask.clone(), 0.25, None, (1.0, None, None)),
+        (mask.clone(), 0.125, halves, (0.0, None, None)),
+        (mask, 0.25, Some([255; 2]), (1.0, None, None)),
+        (json!({ "alphaMode": "MASK" }), 1.0, halves, (1.0, texels(), Some(0.5))),
+        (json!({ "alphaMode": "MASK", "alphaCutoff": 1.5 }), 1.0, halves, (0.0, None, None)),
+    ];
+    for (number, (keys, factor, alphas, wanted)) in cases.into_iter().enumerate() {
+        assert_eq!(of(keys, factor, alphas), wanted, "case {number}");
+    }
 }

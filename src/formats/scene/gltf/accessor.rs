@@ -11,7 +11,7 @@ use std::rc::Rc;
 /// The elements of an accessor, component by component.
 pub struct Numbers {
     pub count: usize,
-    components: usize,
+    pub components: usize,
     pub values: Vec<f64>,
 }
 

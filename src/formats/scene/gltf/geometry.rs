@@ -47,6 +47,11 @@ impl Geometry {
             builder.notes.add(place, "vertex colours are left out, as the material has textures");
         }
     }
+    /// Tests whether some vertex has an alpha below 1.
+    pub fn has_alpha(&self) -> bool {
+        let colors = self.colors.iter().filter(|colors| colors.components == 4);
+        colors.flat_map(|colors| colors.values.chunks_exact(4)).any(|color| color[3] < 1.0)
+    }
     /// Removes the vertex colours if all vertices have the same colour, and returns it unless it is white.
     /// The material can have such a colour and textures too.
     pub fn take_uniform_color(&mut self) -> Option<Vec3> {

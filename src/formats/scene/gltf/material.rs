@@ -10,6 +10,7 @@
 //! | `KHR_materials_specular`, `KHR_materials_clearcoat` | those of metal-rough |
 //! | emissive factor, texture, `KHR_materials_emissive_strength` | emission and its map |
 //! | `KHR_materials_unlit` | an emitter of the base colour |
+//! | `alphaMode` `BLEND`, `MASK` | opacity: base colour factor and texture; a cutoff |
 //!
 //! A vertex has one pair of texture coordinates, so all textures of a material use the set and the transform
 //! of its first texture. Textures with others are left out with a warning.
@@ -173,8 +174,45 @@ impl<'a> Materials<'a> {
                 material.emission_map = load("emissiveTexture", emission, TexelKind::Color, None);
             }
         }
+        if file.has_alpha() {
+            self.set_opacity(&mut material, file, &place, builder);
+        }
         let uv_map = mapping.map(|(_, transform)| transform).unwrap_or_default();
         Added { number: builder.add_material(material, 1.0), uv_map }
+    }
+
+    /// Sets the opacity of a material that may be passed.
+    fn set_opacity(
+        &self,
+        material: &mut Material,
+        file: &MaterialFile,
+        place: &JsonPath,
+        builder: &mut SceneBuilder,
+    ) {
+        let (pbr, known) = (&file.pbr_metallic_roughness, builder.textures.list.len());
+        let place = place.key("pbrMetallicRoughness");
+        // Its coordinates are those of the material's first texture, which it is.
+        let load = |info: &TextureInfo| {
+            texture::load(self.document, info.index.0, TexelKind::Alpha, None, &place, builder)
+        };
+        let map = pbr.base_color_texture.as_ref().and_then(load);
+        let (map, factor) = (builder.opacity_map(map, known), fraction(pbr.base_color_factor.map(|c| c[3])));
+        let cutoff =
+            (file.alpha_mode.as_deref() == Some("MASK")).then(|| file.alpha_cutoff.unwrap_or(0.5) as f32);
+        (material.opacity, material.opacity_map, material.alpha_cutoff) = match (map, cutoff) {
+            // No product with a map is larger.
+            (_, Some(cutoff)) if factor < cutoff => (0.0, None, None),
+            (None, Some(_)) => (1.0, None, None),
+            (Some(_), Some(cutoff)) if cutoff <= 0.0 => (1.0, None, None),
+            (map, cutoff) => (factor, map, cutoff),
+        };
+    }
+}
+
+impl MaterialFile {
+    /// Tests whether the alpha of the base colour counts.
+    pub fn has_alpha(&self) -> bool {
+        matches!(self.alpha_mode.as_deref(), Some("MASK" | "BLEND"))
     }
 }
 
@@ -250,13 +288,6 @@ fn note_ignored(
     place: &JsonPath,
     notes: &mut Notes,
 ) {
-    match file.alpha_mode.as_deref() {
-        Some("MASK") => notes.add(&place.key("alphaMode"), "cut-out parts (`MASK`) are shown opaque"),
-        Some("BLEND") => {
-            notes.add(&place.key("alphaMode"), "partly transparent parts (`BLEND`) are shown opaque");
-        }
-        _ => {}
-    }
     // The standard ignores the rest of an unlit material too.
     if kind == MaterialKind::Emitter {
         return;

@@ -184,6 +184,10 @@ impl Gltf {
                 continue;
             }
             let mut own = materials.get(primitive, &place, builder)?;
+            let file = primitive.material.and_then(|index| self.root.materials.get(index.0));
+            if file.is_some_and(|file| file.has_alpha()) && geometry.has_alpha() {
+                builder.notes.add(&place, "the alpha of vertex colours is left out");
+            }
             if let Some(tint) = geometry.take_uniform_color() {
                 let mut tinted = builder.scene.materials[own.number as usize].clone();
                 match tinted.kind {

@@ -101,7 +101,7 @@ optional! {
     OtherImage { source: Option<Whole> }
     Sampler { mag_filter: Option<Whole>, wrap_s: Option<Whole>, wrap_t: Option<Whole> }
     Material {
-        name: Lenient<String>, alpha_mode: Option<String>,
+        name: Lenient<String>, alpha_mode: Option<String>, alpha_cutoff: Option<f64>,
         pbr_metallic_roughness: MetallicRoughness, emissive_factor: Option<[f64; 3]>,
         normal_texture: Option<TextureInfo>, occlusion_texture: Option<IgnoredAny>,
         emissive_texture: Option<TextureInfo>, extensions: MaterialExtensions,

@@ -1,4 +1,4 @@
-"""Makes spheres, cornell, cornell-spheres, balls, far and book/*. The same seed gives the same scenes."""
+"""Makes spheres, cornell, cornell-spheres, balls, far, leaves and book/*. The same seed gives the same scenes."""
 
 import json
 import math
@@ -244,11 +244,53 @@ def make_book_materials():
     write("book/materials.json", camera, sky, materials, numbers, spheres=spheres)
 
 
+def make_leaves():
+    rng = random.Random(SEED)
+    materials = {
+        "floor": {"type": "diffuse", "color": [0.75, 0.72, 0.68]},
+        "leaf": {
+            "type": "diffuse", "color": [1, 1, 1], "texture": "textures/leaf.png",
+            "opacity_map": "textures/leaf.png", "alpha_cutoff": 0.5,
+        },
+        "autumn": {
+            "type": "diffuse", "color": [1, 0.55, 0.25], "texture": "textures/leaf.png",
+            "opacity_map": "textures/leaf.png", "alpha_cutoff": 0.5,
+        },
+        "veil": {"type": "diffuse", "color": [0.55, 0.7, 0.9], "opacity": 0.35},
+        "lamp": {"type": "emitter", "emission": [60, 54, 44]},
+    }
+    spheres = [
+        {"center": [-2.5, 6, 3], "radius": 0.6, "material": "lamp"},
+        {"center": [1.1, 0.55, 0.6], "radius": 0.55, "material": "veil"},
+    ]
+    triangles = []
+
+    def card(corners, material):
+        a, b, c, d = corners
+        for vertices, uvs in ([a, b, c], [[0, 0], [1, 0], [1, 1]]), ([a, c, d], [[0, 0], [1, 1], [0, 1]]):
+            triangles.append({"vertices": vertices, "uvs": uvs, "material": material})
+
+    card([[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]], "floor")
+    for number in range(22):
+        foot = [rng.uniform(-1.3, 1.0), rng.uniform(1.0, 1.9), rng.uniform(-0.5, 0.7)]
+        turn, lean, size = rng.uniform(0, 2 * math.pi), rng.uniform(0.3, 1.3), rng.uniform(0.5, 0.8)
+        side = [0.375 * size * math.cos(turn), 0, -0.375 * size * math.sin(turn)]
+        out, down = size * math.sin(lean), size * math.cos(lean)
+        tip = [out * math.sin(turn), -down, out * math.cos(turn)]
+        corners = [(-1, 0), (1, 0), (1, 1), (-1, 1)]
+        at = lambda s, t: rounded(*(foot[i] + s * side[i] + t * tip[i] for i in range(3)))
+        card([at(s, t) for s, t in corners], "autumn" if number % 5 == 0 else "leaf")
+    camera = {"position": [0.6, 1.9, 5.5], "look_at": [0, 0.95, 0], "vertical_fov": 34}
+    sky = {"gradient": {"bottom": [0.35, 0.35, 0.35], "top": [0.45, 0.55, 0.75]}}
+    write("leaves.json", camera, sky, materials, spheres=spheres, triangles=triangles)
+
+
 if __name__ == "__main__":
     make_spheres()
     make_cornell()
     make_balls()
     make_far()
+    make_leaves()
     (HERE / "book").mkdir(exist_ok=True)
     make_book_final()
     make_book_defocus()

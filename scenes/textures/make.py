@@ -1,4 +1,4 @@
-"""Makes the pictures of the scenes inside the program: sky.jpg and chess.png, beside this file.
+"""Makes the pictures of the scenes: sky.jpg, chess.png and leaf.png, beside this file.
 
 Needs numpy and Pillow. The same seed gives the same pictures.
 """
@@ -114,6 +114,26 @@ def save_chess(side=512, squares=8):
     ).save(HERE / "chess.png", optimize=True)
 
 
+def save_leaf(width=96, height=128, samples=4):
+    # The stem is below; every pixel is the mean of several points.
+    x = (np.arange(width * samples) + 0.5) / (width * samples) * 2 - 1
+    y = 1 - (np.arange(height * samples) + 0.5) / (height * samples)
+    x, y = np.meshgrid(x, y)
+    along = np.clip((y - 0.16) / 0.8, 0, 1)
+    teeth = 0.035 * (1 - 2 * np.abs(along * 11 % 1 - 0.5))
+    half = (0.78 * np.sin(np.pi * along**0.8) ** 0.9 + teeth) * (along > 0) * (along < 1)
+    stem = (np.abs(x) < 0.035) & (y < 0.2)
+    inside = (np.abs(x) < half) | stem
+    # Veins rise from the middle rib to the edge.
+    vein = np.minimum(np.abs(x) * 3, np.abs((along * 7 - np.abs(x) * 2.2 + 0.5) % 1 - 0.5) * 0.6)
+    blade = mix([0.30, 0.52, 0.13], [0.16, 0.36, 0.10], np.abs(x))
+    color = mix([0.55, 0.68, 0.30], blade, smooth(0.02, 0.09, vein))
+    picture = np.concatenate([color, inside[..., None].astype(float)], axis=-1)
+    picture = picture.reshape(height, samples, width, samples, 4).mean(axis=(1, 3))
+    Image.fromarray((picture * 255 + 0.5).astype(np.uint8)).save(HERE / "leaf.png", optimize=True)
+
+
 if __name__ == "__main__":
     save_sky()
     save_chess()
+    save_leaf()

@@ -30,12 +30,12 @@ fn falloff(angle: f64, inner_degrees: f32, outer_degrees: f32) -> f64 {
 impl Reference {
     /// The light that arrives at a point from all lights that no ray can hit, times `value` of its direction.
     pub(super) fn direct(&self, from: DVec3, value: impl Fn(DVec3) -> DVec3) -> DVec3 {
-        let is_free = |w: DVec3, distance: f64| self.closest(from, w).is_none_or(|hit| hit.t >= distance);
+        let left = |w: DVec3, distance: f64| self.left(from, w, distance);
         let point = |position: Vec3, intensity: Vec3, share: &dyn Fn(DVec3, f64) -> f64| {
             let to = position.as_dvec3() - from;
             let (w, distance) = (to.normalize_or_zero(), to.length());
             let arriving = intensity.as_dvec3() * (share(w, distance) / (distance * distance));
-            if is_free(w, distance) { value(w) * arriving } else { DVec3::ZERO }
+            value(w) * arriving * left(w, distance)
         };
         let light = |light: &LightShape| match *light {
             LightShape::Point { position, intensity, range } => {
@@ -49,8 +49,10 @@ impl Reference {
             }
             LightShape::Directional { direction, irradiance, angular_diameter_degrees } => {
                 let w = -direction.as_dvec3().normalize();
-                let is_seen = angular_diameter_degrees == 0.0 && is_free(w, f64::INFINITY);
-                if is_seen { value(w) * irradiance.as_dvec3() } else { DVec3::ZERO }
+                match angular_diameter_degrees == 0.0 {
+                    true => value(w) * irradiance.as_dvec3() * left(w, f64::INFINITY),
+                    false => DVec3::ZERO,
+                }
             }
         };
         self.lights.iter().map(light).sum()

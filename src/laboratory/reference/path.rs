@@ -198,24 +198,38 @@ impl Reference {
         if self.materials.iter().all(Material::is_opaque) {
             return self.closest(origin, direction);
         }
+        let layers = self.layers((origin, direction), cone);
+        layers.into_iter().find(|&(_, event, opacity)| number(event) < opacity).map(|(hit, ..)| hit)
+    }
+
+    /// Returns the share of light that is left at a distance along a ray. Maps have their finest texels.
+    pub(super) fn left(&self, origin: DVec3, direction: DVec3, distance: f64) -> f64 {
+        if self.materials.iter().all(Material::is_opaque) {
+            let is_free = self.closest(origin, direction).is_none_or(|hit| hit.t >= distance);
+            return f64::from(u8::from(is_free));
+        }
+        let layers = self.layers((origin, direction), (0.0, 0.0)).into_iter();
+        layers.filter(|(hit, ..)| hit.t < distance).map(|(.., opacity)| 1.0 - opacity).product()
+    }
+
+    /// Returns all hits of a ray, the nearest first, with a number for the event and the opacity of each. The
+    /// two hits of a sphere are two events.
+    fn layers(&self, (origin, direction): (DVec3, DVec3), cone: (f64, f64)) -> Vec<(Hit, u32, f64)> {
         let all = (0..).map_while(|number| Some((number, self.primitive(number)?)));
-        let hits = all.flat_map(|(primitive, shape)| {
-            let hits = shape.hits(origin, direction).into_iter();
-            hits.map(move |(t, u, v)| Hit { primitive, t, u, v })
+        let layers = all.flat_map(|(primitive, shape)| {
+            shape.hits(origin, direction).into_iter().map(move |(t, u, v)| {
+                let surface = shape.surface(origin + direction * t, u, v);
+                let cosine = -direction.dot(surface.ng);
+                let width = cone.0 + cone.1 * t;
+                let area = width * width / cosine.abs().max(LEAST_COSINE) * surface.density;
+                let opacity = self.opacity(&self.materials[surface.material], &surface, area);
+                (Hit { primitive, t, u, v }, 2 * primitive + u32::from(cosine < 0.0), opacity)
+            })
         });
-        let mut hits: Vec<Hit> = hits.collect();
+        let mut layers: Vec<_> = layers.collect();
         // Of equal t, the lower index stays first.
-        hits.sort_by(|a, b| a.t.total_cmp(&b.t));
-        hits.into_iter().find(|hit| {
-            let primitive = self.primitive(hit.primitive).expect("the primitive that was hit");
-            let surface = primitive.surface(origin + direction * hit.t, hit.u, hit.v);
-            let cosine = -direction.dot(surface.ng);
-            let width = cone.0 + cone.1 * hit.t;
-            let area = width * width / cosine.abs().max(LEAST_COSINE) * surface.density;
-            // The two hits of a sphere are two events.
-            let event = 2 * hit.primitive + u32::from(cosine < 0.0);
-            number(event) < self.opacity(&self.materials[surface.material], &surface, area)
-        })
+        layers.sort_by(|a, b| a.0.t.total_cmp(&b.0.t));
+        layers
     }
 
     /// Returns the share of rays that a surface stops.

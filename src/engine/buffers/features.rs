@@ -75,6 +75,9 @@ features! {
     PORTALS = 25, "portals";
     /// Point, spot and directional lights.
     PUNCTUAL_LIGHTS = 26, "punctual-lights";
+    /// Camera rays have origins of their own: [`crate::camera::PreparedCamera::needs`]. A test of the camera
+    /// before each packet costs 2 %.
+    RAY_ORIGINS = 33, "ray-origins";
 }
 
 impl Features {

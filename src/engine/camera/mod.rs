@@ -5,6 +5,7 @@ mod tile;
 pub use crate::math::ViewFrustum;
 pub use tile::{BLOCK, MAX_PIXELS, Tile};
 
+use crate::buffers::Features;
 use crate::kernel::ray_cone::Cone;
 use crate::lane::Lane;
 use crate::math::{Ray, Vec3, portable};
@@ -122,6 +123,13 @@ impl PreparedCamera {
     #[inline(always)]
     pub fn common_origin(&self) -> Option<glam::Vec3> {
         matches!(self.origins, Origins::Pinhole).then_some(self.position)
+    }
+    /// Returns the features that its rays need.
+    pub fn needs(&self) -> Features {
+        match self.origins {
+            Origins::Pinhole => Features::NONE,
+            Origins::Aperture(_) | Origins::Plane => Features::RAY_ORIGINS,
+        }
     }
     /// Tests whether the camera has a lens, so that only the focal plane is sharp.
     pub fn has_lens(&self) -> bool {

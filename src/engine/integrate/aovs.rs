@@ -177,7 +177,7 @@ pub(crate) fn render_row(context: &TraceContext, y: u32, row: &mut [f32], scratc
 /// Returns the planes of the packet at `at`.
 fn aovs(context: &TraceContext, scratch: &Scratch, at: usize, count: usize) -> [L; PLANES] {
     let cone = context.primary_cone::<L, ALL>();
-    let (ray, key) = (context.primary_ray(&scratch.queue, at), scratch.queue.primary::<L>(at).1);
+    let (ray, key) = (context.primary_ray::<L, ALL>(&scratch.queue, at), scratch.queue.primary::<L>(at).1);
     let path = Path::primary(ray, key, B::splat(0), cone);
     Seen::of(context, &path, &scratch.queue.hit(at), <L as Lane>::Mask::first(count - at))
         .planes(context, key)

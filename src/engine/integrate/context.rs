@@ -112,11 +112,11 @@ impl TraceContext {
 
     /// Returns the camera rays of the packet at `at`. The queue holds their origins unless they have one.
     #[inline(always)]
-    pub fn primary_ray<L: Lane>(&self, queue: &PathQueue, at: usize) -> Ray<L> {
-        match self.camera.common_origin() {
-            Some(origin) => Ray { origin: Vec3::splat(origin), direction: queue.primary(at).0 },
-            None => queue.ray(at),
+    pub fn primary_ray<L: Lane, const N: u64>(&self, queue: &PathQueue, at: usize) -> Ray<L> {
+        if has(N, Features::RAY_ORIGINS) && self.camera.common_origin().is_none() {
+            return queue.ray(at);
         }
+        Ray { origin: Vec3::splat(self.camera.position()), direction: queue.primary(at).0 }
     }
     /// Returns the paths of the packet at `at`. With `FIRST` they are at their first segment, of which the
     /// queue holds only the ray and the key.
@@ -125,7 +125,7 @@ impl TraceContext {
         if !FIRST {
             return queue.path(at, self.columns::<N>());
         }
-        let (ray, (_, key)) = (self.primary_ray(queue, at), queue.primary::<L>(at));
+        let (ray, (_, key)) = (self.primary_ray::<L, N>(queue, at), queue.primary::<L>(at));
         let slot = lane_indices::<L>().wrapping_add(L::Bits::splat(queue.primary_slot(at)));
         Path::primary(ray, key, slot, self.primary_cone::<L, N>())
     }

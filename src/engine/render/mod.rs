@@ -58,6 +58,15 @@ fn check_resolution(resolution: [u32; 2]) {
     assert!(fits, "resolution {resolution:?}");
 }
 
+/// Returns the pipeline of a context and its features.
+fn pipeline_of(context: &TraceContext, settings: &Settings) -> (Features, Pipeline) {
+    let needs = match settings.pipeline {
+        PipelineChoice::Auto => context.buffers.needs,
+        PipelineChoice::General => Features::ALL,
+    };
+    pipeline_for(needs, settings.lanes)
+}
+
 /// A primary ray and its hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimaryHit {
@@ -144,7 +153,7 @@ impl Renderer {
         let geometry = is_kept.then_some(geometry);
         let mut buffers = Buffers::new(scene);
         let primitives = PrimitiveTables::new(scene, |number| lights.sampled_as(number));
-        buffers.needs = buffers.needs.with(lights.needs()).with(features_of(scene));
+        buffers.needs = buffers.needs.with(lights.needs()).with(features_of(scene)).with(camera.needs());
         let context = TraceContext {
             visible,
             buffers,
@@ -157,11 +166,7 @@ impl Renderer {
             seed: settings.seed,
             sampler: settings.methods.sampler,
         };
-        let needs = match settings.pipeline {
-            PipelineChoice::Auto => context.buffers.needs,
-            PipelineChoice::General => Features::ALL,
-        };
-        let (features, pipeline) = pipeline_for(needs, lanes);
+        let (features, pipeline) = pipeline_of(&context, &settings);
         Self { settings, geometry, context, features, pipeline, threads: Threads::new(threads, Scratch::new) }
     }
     /// Returns the settings of the rendering.
@@ -190,6 +195,9 @@ impl Renderer {
         let context = &mut self.context;
         context.camera = PreparedCamera::new(camera, resolution);
         context.width = resolution[0];
+        let needs = context.buffers.needs.without(Features::RAY_ORIGINS);
+        context.buffers.needs = needs.with(context.camera.needs());
+        (self.features, self.pipeline) = pipeline_of(context, &self.settings);
         match &self.geometry {
             Some(geometry) => {
                 find_visible(&mut context.visible, geometry, &context.camera, &self.settings);
@@ -282,7 +290,7 @@ impl Renderer {
                 _ => generate::<Native>(&self.context, (0, tile), sample, 0, &mut scratch),
             };
             let hit = |(at, [x, y]): (usize, [u32; 2])| {
-                let ray = self.context.primary_ray::<f32>(&scratch.queue, at);
+                let ray = self.context.primary_ray::<f32, { Features::ALL.0 }>(&scratch.queue, at);
                 let Hit { t, primitive, u, v } = scratch.queue.hit::<f32>(at);
                 PrimaryHit {
                     x,

@@ -239,7 +239,8 @@ fn base(scene: &Scene, resolution: [u32; 2], max_bounces: u32) -> Settings {
 #[test]
 fn test_scenes_need_every_feature_together() {
     let needs = |scene: &Scene| Renderer::new(scene, Settings::of(scene)).needs();
-    let all = needs(&everything(CROWD)).with(Features::SKY_GRADIENT);
+    // The law of cameras has those that are no pinholes.
+    let all = needs(&everything(CROWD)).with(Features::SKY_GRADIENT).with(Features::RAY_ORIGINS);
     assert!(all.contains(Features::ALL), "{:?}", all.names());
     assert!(needs(&matt_and_mirror()).contains(Features::SKY_GRADIENT));
     assert!(!needs(&few_textured()).contains(Features::MANY_TRIANGLES));

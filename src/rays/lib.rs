@@ -1,5 +1,8 @@
 //! The tracing core of octray: finds which primitive a ray hits first, and whether it hits any.
 //!
+//! **[`query`] answers questions about meshes**: it takes vertices and faces in f32 or f64, and has exact
+//! answers. The parts that follow are those that a renderer uses.
+//!
 //! A [`Structure`] is built once from a [`Geometry`] and shared by all threads. Each thread has a [`Tracer`],
 //! which owns the working memory and runs two queries on columns of rays: [`Tracer::closest`] and
 //! [`Tracer::occluded`]. [`Rays::until`] ends rays, and [`Rays::beyond`] begins them behind a hit. This
@@ -33,12 +36,14 @@
 //! | [`math`] | vectors, rays, hits and view frusta; bounds of rounding error |
 //! | [`coordinates`] | the transform between world coordinates and those of a structure |
 //! | [`kernel`] | intersection of rays with boxes, spheres and triangles; points on surfaces |
+//! | `exact` | rays against triangles in doubles, decided as in real arithmetic |
 //! | `prepared` | rays prepared for tests: the values computed once per ray or packet |
 //! | `numbering` | the kinds of primitives, how primitives are numbered, and sets of them |
 //! | `columns` | rays and hits as columns |
 //! | `kind` | a module for each kind: geometry, tests in leaves and lists; all primitives of a scene |
 //! | `bvh` | the bounding volume hierarchy: its builder and its check |
 //! | `traverse` | closest hit and any hit, by a list or through the hierarchy |
+//! | [`query`] | triangle meshes and spheres in doubles, and queries on all threads |
 //!
 //! # Laws
 //! - **Every traversal gives the same hit**, bit for bit, as testing every primitive in the order of its
@@ -55,12 +60,15 @@ pub mod coordinates;
 pub mod kernel;
 pub mod lane;
 pub mod math;
+pub mod query;
 
 // These modules are public only so that tests reach them.
 #[doc(hidden)]
 pub mod bvh;
 #[doc(hidden)]
 pub mod columns;
+#[doc(hidden)]
+pub mod exact;
 #[doc(hidden)]
 pub mod kind;
 #[doc(hidden)]

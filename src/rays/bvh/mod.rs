@@ -10,6 +10,7 @@
 //! | `build` | builds the binary tree |
 //! | `collapse` | turns it into wide nodes, leaves, and a binary tree over the same leaves |
 //! | `tree` | runs all of these in one call: [`Bvh`] |
+//! | `refit` | moves the boxes to primitives that have moved |
 //! | [`check`] | checks validity and collects statistics |
 //!
 //! # What a traversal may rely on
@@ -30,6 +31,7 @@ pub mod check;
 mod collapse;
 mod cost;
 mod node;
+mod refit;
 mod split;
 mod tree;
 

@@ -375,4 +375,4 @@ impl<L: Lane> WoopRay<L> {
 
 /// The axes that become x, y and z, indexed by the axis that becomes z. It has four entries, so that `& 3`
 /// removes the bounds check.
-const ORDERS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+pub(crate) const ORDERS: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];

@@ -1,6 +1,6 @@
 //! The hierarchy that all traversals share: nodes, and the intersection of rays with a leaf.
 
-use crate::bvh::{Bvh, Child, Trees, WIDE, WideNode, slots};
+use crate::bvh::{Bounds, Bvh, Child, Trees, WIDE, WideNode, slots};
 use crate::coordinates::Coordinates;
 use crate::kernel::ray_box::Padding;
 use crate::kind::triangle::{Layout, TriangleLeaf};
@@ -31,6 +31,14 @@ impl Hierarchy {
         let (bvh, padding) = rayon::join(|| Bvh::new(geometry, trees), || geometry.padding());
         let leaves = Leaves::new(geometry, &bvh.leaves, size_of_val(bvh.wide.as_slice()), layout);
         Self { leaves, coordinates: geometry.coordinates, padding, bvh }
+    }
+
+    /// Returns a hierarchy with the same tree over primitives that have moved.
+    pub fn refitted(&self, geometry: &Geometry) -> Self {
+        let mut bvh = self.bvh.clone();
+        bvh.refit(|number| Bounds::new(geometry.shape(number).bounds()));
+        let leaves = Leaves::new(geometry, &bvh.leaves, size_of_val(bvh.wide.as_slice()), None);
+        Self { leaves, coordinates: geometry.coordinates, padding: geometry.padding(), bvh }
     }
 
     /// Returns the size of nodes and leaves in bytes.

@@ -73,6 +73,23 @@ impl Structure {
         Self::from_hierarchy(Hierarchy::new(geometry, Trees::WideAndBinary), Traversal::default())
     }
 
+    /// Returns a structure over primitives that have moved, in the order and number of those before. A
+    /// hierarchy keeps its tree, which takes a fraction of the time of building one. What
+    /// [`Structure::with_targets`] found is dropped.
+    ///
+    /// # Panics
+    /// If the structure has the caller's tests, or a binary tree.
+    pub fn refitted(&self, geometry: &Geometry) -> Self {
+        match &self.primitives {
+            Primitives::List(_) => Self::list(geometry, self.lanes),
+            Primitives::Tree(hierarchy, traversal) => {
+                let hierarchy = Arc::new(hierarchy.refitted(geometry));
+                Self::new_with(Primitives::Tree(hierarchy, *traversal), self.lanes)
+            }
+            Primitives::Custom(_) => panic!("the caller's tests cannot be refitted"),
+        }
+    }
+
     fn from_hierarchy(hierarchy: Hierarchy, traversal: Traversal) -> Self {
         Self::new_with(Primitives::Tree(Arc::new(hierarchy), traversal), traversal.lanes())
     }
@@ -134,7 +151,7 @@ impl Structure {
     }
 
     /// Returns the place of the primitives' coordinates in the world.
-    pub(super) fn coordinates(&self) -> Coordinates {
+    pub fn coordinates(&self) -> Coordinates {
         match &self.primitives {
             Primitives::List(list) => list.coordinates,
             Primitives::Tree(hierarchy, _) => hierarchy.coordinates,

@@ -75,6 +75,10 @@ impl Padding {
     pub const fn without_padding(self) -> Self {
         Self { relative: 0.0, ..self }
     }
+    /// Returns the largest absolute coordinate of any box.
+    pub const fn extent(&self) -> f32 {
+        self.extent
+    }
     /// Returns the padding's base for a ray from `origin`, without the |o| along each axis, in scene units.
     #[inline(always)]
     pub fn room<L: Lane>(&self, origin: Vec3<L>) -> L {

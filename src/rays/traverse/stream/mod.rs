@@ -12,6 +12,7 @@
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
 mod boxes;
+mod conservative;
 mod hit_batch;
 mod listed;
 mod stream_ray;
@@ -26,6 +27,7 @@ use crate::lane::compaction::{CHUNK, compress_where};
 use crate::lane::{Bits, F32x8, Lane, set_bits};
 use crate::math::Ray;
 use boxes::pass_boxes;
+pub use conservative::{Conservative, VisitCandidates};
 use hit_batch::HitBatch;
 pub use listed::BATCH;
 use listed::{ListedRay, entry_of, update_hit};
@@ -96,19 +98,20 @@ impl Stream {
         for first in (0..rays.len()).step_by(BATCH) {
             let batch = first..rays.len().min(first + BATCH);
             let (rays, hits) = (&rays.range(batch.clone()), &mut hits.range(batch));
-            self.trace_batch::<ANY>(hierarchy, rays, hits, counter);
+            self.trace_batch::<ANY, _>((hierarchy, hierarchy.padding), rays, hits, counter, Nearest);
         }
     }
 
-    /// Improves the hits of 1 to [`BATCH`] rays.
-    fn trace_batch<const ANY: bool>(
+    /// Traces 1 to [`BATCH`] rays, which end at the t of their hits.
+    fn trace_batch<const ANY: bool, T: LeafTests>(
         &mut self,
-        hierarchy: &Hierarchy,
+        (hierarchy, padding): (&Hierarchy, Padding),
         rays: &Rays,
         hits: &mut Hits,
         counter: impl CounterSink,
+        tests: T,
     ) {
-        self.prepare_all(hierarchy.padding, rays, hits);
+        self.prepare_all(padding, rays, hits);
         let count = rays.len();
         let (mut of_all, mut of_any) = (u8::MAX, 0);
         let entries = self.lists[..count].iter_mut().zip(&mut self.octants[..count]);
@@ -117,7 +120,7 @@ impl Stream {
             *octant = (axis >> 8) as u8;
             (of_all, of_any) = (of_all & *octant, of_any | *octant);
         }
-        let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter };
+        let mut rays = StreamTraversal { stream: self, hierarchy, rays, hits, counter, tests };
         if !ANY && of_all == of_any {
             rays.node::<ANY, true>(0, 0, count, count + CHUNK);
         } else {
@@ -156,15 +159,49 @@ fn grow<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
 }
 
 /// The traversal of rays of a batch that are traced together.
-struct StreamTraversal<'a, 'b, C> {
+struct StreamTraversal<'a, 'b, C, T> {
     stream: &'a mut Stream,
     hierarchy: &'a Hierarchy,
     rays: &'a Rays<'a>,
     hits: &'a mut Hits<'b>,
     counter: C,
+    tests: T,
 }
 
-impl<C: CounterSink> StreamTraversal<'_, '_, C> {
+/// What becomes of the rays that reach leaves of triangles.
+trait LeafTests: Sized {
+    /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles in its slot. The
+    /// rays come from the `count` rays of a node.
+    fn triangle_leaves<const ANY: bool>(
+        rays: &mut StreamTraversal<'_, '_, impl CounterSink, Self>,
+        node: &WideNode,
+        reached: u32,
+        start: usize,
+        counts: [usize; 2],
+    );
+}
+
+/// Keeps the nearest hits.
+struct Nearest;
+
+impl LeafTests for Nearest {
+    #[inline(always)]
+    fn triangle_leaves<const ANY: bool>(
+        rays: &mut StreamTraversal<'_, '_, impl CounterSink, Self>,
+        node: &WideNode,
+        reached: u32,
+        start: usize,
+        [paired, count]: [usize; 2],
+    ) {
+        if paired >= MIN_LONG && !(ANY && paired > MAX_LEAVES * count) {
+            rays.triangles_then_hits::<ANY>(node, reached, start, paired);
+        } else if paired > 0 {
+            rays.triangles::<ANY>(node, reached, start, paired);
+        }
+    }
+}
+
+impl<C: CounterSink, T: LeafTests> StreamTraversal<'_, '_, C, T> {
     /// Traces the `count` rays listed from `start` on through a node; new lists start at `free`. With `ONE`
     /// all rays run into one octant.
     fn node<const ANY: bool, const ONE: bool>(
@@ -222,7 +259,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             spans[slot] = list(slot);
         }
         // Leaves first, because hits in them save tests of the nodes' children.
-        self.triangle_leaves::<ANY>(node, triangles, free, [paired, count]);
+        T::triangle_leaves::<ANY>(self, node, triangles, free, [paired, count]);
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
             self.other_leaf::<ANY>(node.children()[slot], start, count);
@@ -244,23 +281,22 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
         }
     }
 
-    /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles in its slot. The
-    /// rays come from the `count` rays of a node.
-    #[inline(always)]
-    fn triangle_leaves<const ANY: bool>(
-        &mut self,
-        node: &WideNode,
-        reached: u32,
-        start: usize,
-        [paired, count]: [usize; 2],
-    ) {
-        if paired >= MIN_LONG && !(ANY && paired > MAX_LEAVES * count) {
-            self.triangles_then_hits::<ANY>(node, reached, start, paired);
-        } else if paired > 0 {
-            self.triangles::<ANY>(node, reached, start, paired);
+    /// Tests the `count` rays listed from `start` on, one by one, against a leaf without triangles.
+    fn other_leaf<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
+        let Self { stream, hierarchy, rays, hits, counter, .. } = self;
+        let Stream { stream_rays, lists, .. } = &mut **stream;
+        for &entry in &lists[start..start + count] {
+            update_hit::<ANY>(entry, stream_rays, hits, |listed, hits| {
+                counter.leaf(hierarchy, leaf, 1);
+                let mut hit = listed.hit(hits);
+                hierarchy.intersect_ray(leaf, &rays.packet(listed.ray()), &mut hit);
+                Some(hit)
+            });
         }
     }
+}
 
+impl<C: CounterSink> StreamTraversal<'_, '_, C, Nearest> {
     /// Tests the `count` rays listed from `start` on, each against the leaf of triangles in its slot: one
     /// loop over all leaves, because most lists of large hierarchies hold two or three rays.
     #[inline(never)]
@@ -321,20 +357,6 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C> {
             if !candidates.is_empty() {
                 candidates.accept::<ANY>(stream_rays, hits);
             }
-        }
-    }
-
-    /// Tests the `count` rays listed from `start` on, one by one, against a leaf without triangles.
-    fn other_leaf<const ANY: bool>(&mut self, leaf: Child, start: usize, count: usize) {
-        let Self { stream, hierarchy, rays, hits, counter, .. } = self;
-        let Stream { stream_rays, lists, .. } = &mut **stream;
-        for &entry in &lists[start..start + count] {
-            update_hit::<ANY>(entry, stream_rays, hits, |listed, hits| {
-                counter.leaf(hierarchy, leaf, 1);
-                let mut hit = listed.hit(hits);
-                hierarchy.intersect_ray(leaf, &rays.packet(listed.ray()), &mut hit);
-                Some(hit)
-            });
         }
     }
 }

@@ -1,0 +1,194 @@
+//! Collects meshes and spheres, and gives their primitives numbers.
+
+use super::input::{Numbers, Points, check};
+use super::{Error, Intersector, Precision, outside};
+use crate::coordinates::Coordinates;
+use crate::kind::geometry::{Geometry, Sphere};
+use crate::lane::prefetch;
+use crate::numbering::Kind;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The largest number of primitives of a hierarchy.
+const MAX_PRIMITIVES: usize = crate::bvh::MAX_PRIMITIVES;
+/// The smallest number of triangles that justifies another thread.
+const PER_THREAD: usize = 4096;
+
+/// Triangle meshes and groups of spheres: each is a surface, numbered from 0 in the order of adding, and its
+/// faces or spheres have numbers of their own from 0.
+#[derive(Clone, Debug, Default)]
+pub struct Surfaces {
+    vertices: Vec<[f64; 3]>,
+    /// The faces of all meshes, as indices into `vertices`.
+    faces: Vec<[u32; 3]>,
+    spheres: Vec<([f64; 3], f64)>,
+    parts: Vec<Part>,
+    /// For each kind, the first primitive of its surfaces and their numbers.
+    starts: [Vec<(usize, u32)>; Kind::ALL.len()],
+}
+
+/// A surface.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    kind: Kind,
+    /// The indices of a mesh's vertices.
+    vertices: [usize; 2],
+}
+
+impl Surfaces {
+    /// Creates an empty collection.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a mesh; returns its number. Faces are indices into its vertices. Vertices that are no corner are
+    /// ignored, but must be finite too.
+    pub fn add_mesh<'a>(
+        &mut self,
+        vertices: impl Into<Points<'a>>,
+        faces: &[[u32; 3]],
+    ) -> Result<usize, Error> {
+        let (vertices, surface, first) = (vertices.into(), self.parts.len(), self.vertices.len());
+        let points = checked(vertices, surface)?;
+        let is_beyond = |vertex: &u32| *vertex as usize >= points.len();
+        let outside = |face: &[u32; 3]| face.iter().copied().find(is_beyond);
+        if let Some((index, vertex)) =
+            (0..).zip(faces).find_map(|(index, face)| Some((index, outside(face)?)))
+        {
+            return Err(Error::Face { surface, index, vertex });
+        }
+        let count = self.faces.len() + self.spheres.len() + faces.len();
+        if count > MAX_PRIMITIVES || u32::try_from(first + points.len()).is_err() {
+            return Err(Error::TooMany);
+        }
+        let range = [first, first + points.len()];
+        self.starts[Kind::Triangle as usize].push((self.faces.len(), surface as u32));
+        self.parts.push(Part { kind: Kind::Triangle, vertices: range });
+        self.vertices.extend(points);
+        self.faces.extend(faces.iter().map(|face| face.map(|vertex| vertex + first as u32)));
+        Ok(surface)
+    }
+
+    /// Adds spheres; returns the number of the group.
+    pub fn add_spheres<'a>(
+        &mut self,
+        centers: impl Into<Points<'a>>,
+        radii: impl Into<Numbers<'a>>,
+    ) -> Result<usize, Error> {
+        let (radii, surface) = (radii.into(), self.parts.len());
+        let centers = checked(centers.into(), surface)?;
+        check("radii", radii.len(), centers.len())?;
+        let radii: Vec<f64> = (0..radii.len()).map(|at| radii.get(at)).collect();
+        let is_wrong = |radius: &f64| *radius <= 0.0 || outside([*radius]).is_some();
+        if let Some(index) = radii.iter().position(is_wrong) {
+            return Err(Error::Radius { surface, index, number: radii[index] });
+        }
+        if self.faces.len() + self.spheres.len() + radii.len() > MAX_PRIMITIVES {
+            return Err(Error::TooMany);
+        }
+        self.starts[Kind::Sphere as usize].push((self.spheres.len(), surface as u32));
+        self.parts.push(Part { kind: Kind::Sphere, vertices: [0; 2] });
+        self.spheres.extend(centers.into_iter().zip(radii));
+        Ok(surface)
+    }
+
+    /// Builds the structure that answers queries.
+    pub fn build(self, precision: Precision) -> Result<Intersector, Error> {
+        if precision == Precision::Exact && !self.spheres.is_empty() {
+            return Err(Error::ExactSpheres);
+        }
+        Ok(Intersector::new(self, precision))
+    }
+
+    /// Replaces the vertices of a mesh by as many others.
+    pub(super) fn move_vertices(&mut self, surface: usize, vertices: Points) -> Result<(), Error> {
+        let part = self.parts.get(surface).filter(|part| part.kind == Kind::Triangle);
+        let [first, end] = part.ok_or(Error::Surface(surface))?.vertices;
+        vertices.check("vertices", end - first)?;
+        self.vertices[first..end].copy_from_slice(&checked(vertices, surface)?);
+        Ok(())
+    }
+
+    /// Returns the size of vertices, faces and spheres in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let Self { vertices, faces, spheres, parts: _, starts: _ } = self;
+        size_of_val(&vertices[..]) + size_of_val(&faces[..]) + size_of_val(&spheres[..])
+    }
+
+    /// Returns the corners of a triangle, by its index among all triangles.
+    #[inline(always)]
+    pub(super) fn corners(&self, index: usize) -> [[f64; 3]; 3] {
+        self.faces[index].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    /// Fetches the indices of a triangle's vertices into the cache.
+    #[inline(always)]
+    pub(super) fn prefetch_face(&self, index: u32) {
+        prefetch(&self.faces[index as usize]);
+    }
+
+    /// Fetches the vertices of a triangle into the cache.
+    #[inline(always)]
+    pub(super) fn prefetch_vertices(&self, index: u32) {
+        self.faces[index as usize].iter().for_each(|&vertex| prefetch(&self.vertices[vertex as usize]));
+    }
+
+    /// Returns the surface of a primitive, and its number there, by its number among all.
+    #[inline]
+    pub(super) fn place(&self, number: u32) -> (u32, u32) {
+        let (kind, index) = match (number as usize).checked_sub(self.spheres.len()) {
+            Some(index) => (Kind::Triangle, index),
+            None => (Kind::Sphere, number as usize),
+        };
+        let starts = &self.starts[kind as usize];
+        // An empty surface starts where the next one does.
+        let (first, surface) = starts[starts.partition_point(|(first, _)| *first <= index) - 1];
+        (surface, (index - first) as u32)
+    }
+
+    /// Tests whether a primitive, by its number among all, is a sphere.
+    pub(super) fn is_sphere(&self, number: u32) -> bool {
+        (number as usize) < self.spheres.len()
+    }
+
+    /// Returns the primitives in f32, relative to the middle of all, or to 0 if that is no further than they
+    /// are large.
+    pub(super) fn geometry(&self) -> Geometry {
+        let corner = |face: &[u32; 3]| face.map(|vertex| DVec3::from(self.vertices[vertex as usize]));
+        let of_face = |face: &[u32; 3]| {
+            let [a, b, c] = corner(face);
+            [a.min(b).min(c), a.max(b).max(c)]
+        };
+        let of_sphere = |&(center, radius): &([f64; 3], f64)| {
+            [DVec3::from(center) - radius, DVec3::from(center) + radius]
+        };
+        let nothing = || [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let union = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| [a.min(c), b.max(d)];
+        let faces = self.faces.par_iter().with_min_len(PER_THREAD);
+        let bounds = faces.clone().map(of_face).reduce(nothing, union);
+        let [lo, hi] = self.spheres.iter().map(of_sphere).fold(bounds, union);
+        let (middle, size) = (lo * 0.5 + hi * 0.5, (hi - lo).max_element());
+        let is_near = !middle.is_finite() || middle.abs().max_element() <= size;
+        let coordinates = Coordinates::around(if is_near { DVec3::ZERO } else { middle }, size);
+        let to_scene = |point: DVec3| coordinates.to_scene(point).as_vec3();
+        let sphere = |&(center, radius): &([f64; 3], f64)| Sphere {
+            center: to_scene(center.into()),
+            radius: (radius / coordinates.unit) as f32,
+        };
+        Geometry {
+            coordinates,
+            spheres: self.spheres.iter().map(sphere).collect(),
+            triangles: faces.map(|face| corner(face).map(to_scene)).collect(),
+        }
+    }
+}
+
+/// Returns points as triples of doubles, all in the range of numbers.
+fn checked(points: Points, surface: usize) -> Result<Vec<[f64; 3]>, Error> {
+    points.check("columns", points.len())?;
+    let points: Vec<_> = (0..points.len()).map(|at| points.get(at)).collect();
+    match (0..).zip(&points).find_map(|(index, point)| Some((index, outside(*point)?))) {
+        Some((index, number)) => Err(Error::Point { surface, index, number }),
+        None => Ok(points),
+    }
+}

@@ -1,0 +1,172 @@
+//! Visits more than the nearest hit of a ray, one ray at a time: every hit in f32, and every triangle that a
+//! ray in doubles may hit.
+
+use super::hierarchy::Hierarchy;
+use super::single::descend;
+use super::stack::Stack;
+use super::stream::{Conservative, Stream, VisitCandidates};
+use super::structure::{Primitives, Structure};
+use crate::columns::Rays;
+use crate::kernel::ray_box::Padding;
+use crate::kind::triangle::sheared_error;
+use crate::kind::{Kind, LEAF, List};
+use crate::lane::set_bits;
+use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::prepared::SingleRay;
+
+/// Calls `visit` with every hit of a ray before `end`, in no order, in one descent. The ray is in the
+/// coordinates of the structure, with a direction of unit length.
+///
+/// # Panics
+/// If the structure has the caller's tests, which find one hit of each primitive at most.
+pub fn visit_every_hit(
+    structure: &Structure,
+    stack: &mut Stack,
+    ray: Ray<f32>,
+    end: f32,
+    visit: &mut impl FnMut(Hit<f32>),
+) {
+    let mut within = |hit: Hit<f32>| {
+        if hit.t < end {
+            visit(hit);
+        }
+    };
+    match &structure.primitives {
+        Primitives::List(list) => list.visit(&SingleRay::new(ray, List::padding(list)), &mut within),
+        Primitives::Tree(tree, _) => {
+            let ray = SingleRay::new(ray, tree.padding);
+            let mut hit = Hit { t: end, primitive: MISS, u: 0.0, v: 0.0 };
+            descend(tree, &ray, stack, &mut hit, (), |leaf, _| {
+                tree.visit_leaf(leaf, &ray, &mut within);
+                false
+            });
+        }
+        Primitives::Custom(_) => panic!("the caller's tests find one hit of each primitive"),
+    }
+}
+
+/// From so many extents of rounding on, no f32 says where a ray runs.
+const FAR: f64 = (1_u64 << 30) as f64;
+/// Up to so many extents, rays share the padding of a batch.
+const NEAR: f64 = 1.0 / 16.0;
+
+/// A ray in doubles, rounded to f32 for a structure; with its padding, rounding loses no hit.
+///
+/// Vertices, origin and direction are rounded to f32, by ε of each component: the planes of a box along an
+/// axis are then off by ε (2 |o| + 2 |p|) in units of 1 / d. The roundings of
+/// [`crate::kernel::ray_box::BoxRay`] are below ε (4 |o| + 3 |p|), and its padding is 8 ε (|o| + the largest
+/// |p|). A component of the direction below 2⁻⁶⁰ of its length moves the ray by less than 2⁻⁵⁸ of that. The
+/// test in leaves has a bound of its own ([`sheared_error`]).
+///
+/// An origin O beyond four times the extent E of all vertices is moved along the ray in f64, to twice the
+/// radius R = √3 E before the point nearest to the middle. Its error, some roundings of f64, is less than ε
+/// times `extra` = 2⁻²² |O|, which counts as extent. A ray that starts before R then passes the ball of R
+/// from less than 8 E; others hit nothing.
+pub struct RoundedRay {
+    /// The ray, in the coordinates of the structure.
+    pub ray: Ray<f32>,
+    /// The length of the direction in units of the structure, and how far the origin was moved.
+    scale: f64,
+    moved: f64,
+    /// The extent to add.
+    extra: f64,
+}
+
+/// Returns the hierarchy of a structure that has one.
+fn hierarchy(structure: &Structure) -> &Hierarchy {
+    let Primitives::Tree(hierarchy, _) = &structure.primitives else { panic!("exact rays need a hierarchy") };
+    hierarchy
+}
+
+/// Returns the padding of boxes and the error in leaves, with some extent to add, for rays from up to this
+/// distance.
+fn padding(hierarchy: &Hierarchy, extra: f64, distance: f64) -> (Padding, f32) {
+    let room = (f64::from(hierarchy.padding.extent()) + extra) * (1.0 + f64::from(f32::EPSILON));
+    (Padding::new(room as f32), sheared_error((room + distance) as f32))
+}
+
+impl RoundedRay {
+    /// Rounds a ray; returns `None` if it hits nothing. Domain: finite, and the direction is not zero.
+    ///
+    /// # Panics
+    /// If the structure is no hierarchy.
+    pub fn new(structure: &Structure, origin: [f64; 3], direction: [f64; 3]) -> Option<Self> {
+        let tree = hierarchy(structure);
+        let extent = f64::from(tree.padding.extent());
+        let direction = glam::DVec3::from(direction);
+        let length = direction.length();
+        let unit_direction = direction / length;
+        let mut origin = tree.coordinates.to_scene(origin.into());
+        let (mut moved, mut extra, mut scale) = (0.0, 0.0, length / tree.coordinates.unit);
+        let distance = origin.abs().max_element();
+        if distance > 4.0 * extent {
+            moved = (-origin.dot(unit_direction) - 2.0 * 1.75 * extent).max(0.0);
+            origin += moved * unit_direction;
+            extra = distance * f64::powi(0.5, 22);
+            if origin.abs().max_element() > 8.0 * extent + extra {
+                return None;
+            }
+            if extra > FAR * extent {
+                // Every box and every triangle is a candidate, at any distance.
+                (origin, extra) = (glam::DVec3::ZERO, FAR * extent);
+                (moved, scale) = (0.0, f64::INFINITY);
+            }
+        }
+        let ray =
+            Ray { origin: Vec3::splat(origin.as_vec3()), direction: Vec3::splat(unit_direction.as_vec3()) };
+        Some(Self { ray, scale, moved, extra })
+    }
+
+    /// Tests whether [`visit_candidates_of_batch`] takes the ray.
+    pub fn suits_batch(&self, structure: &Structure) -> bool {
+        self.extra <= NEAR * f64::from(hierarchy(structure).padding.extent())
+    }
+
+    /// Returns a distance in the structure that is not before `t` of the ray.
+    pub fn end(&self, t: f64) -> f32 {
+        let t = t * self.scale;
+        ((t - self.moved + (t + self.moved) * f64::powi(0.5, 48)) as f32).next_up()
+    }
+
+    /// Calls `visit` with every triangle, by its number, that the ray may hit before `end`, nearest first as
+    /// far as boxes tell. `visit` may return a new end, below 0 to end the search.
+    #[inline]
+    pub fn visit_candidates(
+        &self,
+        structure: &Structure,
+        stack: &mut Stack,
+        end: f32,
+        mut visit: impl FnMut(u32) -> Option<f32>,
+    ) {
+        let tree = hierarchy(structure);
+        let Vec3 { x, y, z } = self.ray.origin;
+        let distance = x.abs().max(y.abs()).max(z.abs());
+        let (padding, delta) = padding(tree, self.extra, distance.into());
+        let ray = SingleRay::new(self.ray, padding);
+        let mut hit = Hit { t: end, primitive: MISS, u: 0.0, v: 0.0 };
+        descend(tree, &ray, stack, &mut hit, (), |leaf, hit| match leaf.kind() {
+            Kind::Sphere => false,
+            Kind::Triangle => tree.with_triangles(leaf.index(), |leaf| {
+                set_bits(leaf.conservative_candidates(ray.woop.stored(), &delta, hit.t)).any(|lane| {
+                    hit.t = visit(leaf.primitives.primitives[lane & (LEAF - 1)]).unwrap_or(hit.t);
+                    hit.t < 0.0
+                })
+            }),
+        });
+    }
+}
+
+/// Visits the triangles that up to [`super::Tracer::BATCH`] rays may hit before their `t_max`:
+/// [`RoundedRay::visit_candidates`] for many rays at once. With `ANY`, the order does not matter.
+pub fn visit_candidates_of_batch<const ANY: bool>(
+    structure: &Structure,
+    stream: &mut Stream,
+    rays: &Rays,
+    t_max: &mut [f32],
+    visitor: impl VisitCandidates,
+) {
+    let tree = hierarchy(structure);
+    let extent = f64::from(tree.padding.extent());
+    let (padding, delta) = padding(tree, NEAR * extent, (8.0 + NEAR) * extent);
+    Conservative::new(delta, visitor).trace::<ANY>(stream, (tree, padding), rays, t_max);
+}

@@ -1,0 +1,6 @@
+//! Queries about meshes: exact answers beside integers of any size, and the interface.
+
+mod cases;
+mod exact;
+mod interface;
+mod rational;

@@ -65,7 +65,7 @@ pub struct ScatteredPath<L: Lane> {
     pub is_delta: L::Mask,
     /// The origins of rays to lights; for lobes other than mirrors and glass, they are the paths' origins.
     pub offset_origin: Vec3<L>,
-    /// The view of plastic, for [`evaluate`].
+    /// The view of plastic, for [`evaluation`](super::evaluation).
     pub plastic: PlasticView<L>,
 }
 

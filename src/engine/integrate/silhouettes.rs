@@ -78,9 +78,10 @@ fn first_stop_between(
     context: &TraceContext,
     scratch: &mut Scratch,
     path: Path<f32>,
-    ([from, to], nearest): ([glam::Vec3; 2], Hit<f32>),
+    (ends, nearest): ([glam::Vec3; 2], Hit<f32>),
     bounce: u32,
 ) -> Hit<f32> {
+    let [from, to] = ends;
     let (direction, length) = (to - from).normalize_and_length();
     let path = Path { ray: Ray { origin: Vec3::splat(from), direction: Vec3::splat(direction) }, ..path };
     let decision = Decision::of_sample(scratch, bounce);

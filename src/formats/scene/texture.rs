@@ -185,9 +185,7 @@ fn decode(
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string())?;
     // TGA has no magic number, and is known by its extension.
-    if reader.format().is_none()
-        && let Ok(format) = ImageFormat::from_path(path)
-    {
+    if let (None, Ok(format)) = (reader.format(), ImageFormat::from_path(path)) {
         reader.set_format(format);
     }
     if reader.format() == Some(ImageFormat::OpenExr) {

@@ -304,18 +304,7 @@ impl<'a> Loader<'a> {
         }
         let material = file.material.as_ref().map(|name| self.material(Some(name), place)).transpose()?;
         let placement = Placement::new(scale, rotate, DVec3::from(translate));
-        let (key, name) = match (&file.model, &file.obj) {
-            (Some(model), None) => ("model", model),
-            (None, Some(obj)) => ("obj", obj),
-            (None, None) => {
-                let mend = "add `model`: the path of an .obj, .gltf, .glb or .ply file";
-                return Err(place.error("the key `model` is missing", mend));
-            }
-            (Some(_), Some(_)) => {
-                let mend = "remove `obj`: both name the model";
-                return Err(place.key("obj").error("a mesh with `model` and `obj`", mend));
-            }
-        };
+        let (key, name) = model_of(file, place)?;
         let path = self.builder.files().resolve(name);
         let known = self.models.get(name.as_str()).cloned();
         let is_copy = known.is_some();
@@ -364,6 +353,22 @@ impl<'a> Loader<'a> {
                 place.error(format!("the mesh reaches {point}, too far away"), bring_near(coordinates))
             }
         })
+    }
+}
+
+/// Returns the key of a mesh that names its model, and the name.
+fn model_of<'a>(file: &'a MeshFile, place: &JsonPath) -> Result<(&'static str, &'a String), SceneError> {
+    match (&file.model, &file.obj) {
+        (Some(model), None) => Ok(("model", model)),
+        (None, Some(obj)) => Ok(("obj", obj)),
+        (None, None) => {
+            let mend = "add `model`: the path of an .obj, .gltf, .glb or .ply file";
+            Err(place.error("the key `model` is missing", mend))
+        }
+        (Some(_), Some(_)) => {
+            let mend = "remove `obj`: both name the model";
+            Err(place.key("obj").error("a mesh with `model` and `obj`", mend))
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Lights that are no primitives, by KHR_lights_punctual.
 
 use super::geometry::Reference;
-use crate::scene::LightShape;
+use super::lobes;
+use crate::scene::{LightShape, MaterialKind};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -28,8 +29,26 @@ fn falloff(angle: f64, inner_degrees: f32, outer_degrees: f32) -> f64 {
 }
 
 impl Reference {
+    /// Returns the light of lights that no ray hits, times the BSDF `value`; `from` gives the origin of rays
+    /// on a side of the surface. Glass has light from both sides.
+    pub(super) fn direct_light(
+        &self,
+        kind: MaterialKind,
+        ng: DVec3,
+        from: impl Fn(f64) -> DVec3,
+        value: impl Fn(DVec3) -> DVec3,
+    ) -> DVec3 {
+        if !lobes::is_glass(kind) {
+            return self.direct(from(1.0), value);
+        }
+        let through = |side: f64| {
+            self.direct(from(side), |w| if w.dot(ng) * side > 0.0 { value(w) } else { DVec3::ZERO })
+        };
+        through(1.0) + through(-1.0)
+    }
+
     /// The light that arrives at a point from all lights that no ray can hit, times `value` of its direction.
-    pub(super) fn direct(&self, from: DVec3, value: impl Fn(DVec3) -> DVec3) -> DVec3 {
+    fn direct(&self, from: DVec3, value: impl Fn(DVec3) -> DVec3) -> DVec3 {
         let left = |w: DVec3, distance: f64| self.left(from, w, distance);
         let point = |position: Vec3, intensity: Vec3, share: &dyn Fn(DVec3, f64) -> f64| {
             let to = position.as_dvec3() - from;

@@ -6,12 +6,14 @@
 //! |---|---|
 //! | `texture` | texture lookup |
 //! | `geometry` | the scene in f64: spheres and triangles, the closest hit, surface points |
+//! | `camera` | camera rays, and the points of a lens |
 //! | `lights` | lights that are no primitives: what they add at a point, and the discs of suns |
 //! | `lobes`, `rough_glass` | how materials scatter |
 //! | `values` | the BSDF in a given direction |
 //! | [`path`] | how one pixel comes to be: the walk from camera ray to film, with its equations |
 //! | `verdict` | whether a single-precision hit is within its error bound |
 
+mod camera;
 mod geometry;
 mod lights;
 mod lobes;

@@ -40,7 +40,7 @@ use crate::path_vertex::{PathVertex, lobe};
 use crate::sampling::dimension::{LENS, LOBE, PIXEL, bounce};
 use crate::sampling::random::hit_number;
 use crate::sampling::{PixelCoordinates, SampleValues, Sampler};
-use crate::scene::{Lens, Material, MaterialKind, Projection, Side, Sky};
+use crate::scene::{Material, MaterialKind, Side, Sky};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -82,29 +82,14 @@ impl Reference {
     /// The path of that sample: the end of each segment, and the radiance up to there.
     pub fn vertices(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> Vec<PathVertex<f64>> {
         let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
-        let numbers = |first: u32| {
-            let numbers = SampleValues::new(settings.sampler, settings.seed, sample, first);
-            move |dimension: u32| {
-                let numbers = match first < bounce(1) {
-                    true => numbers.at_pixels::<f32>(key, PixelCoordinates::Block { x, y }),
-                    false => numbers.at_keys(key),
-                };
-                f64::from(numbers.get_1d(dimension))
-            }
-        };
+        let numbers = |first| numbers(settings, [x, y], sample, first);
         // 1. The camera ray.
-        let first = numbers(PIXEL);
-        let on_film = [f64::from(x) + first(0), f64::from(y) + first(1)];
-        let (mut origin, mut direction) =
-            self.camera_ray(settings.resolution, on_film, [first(LENS), first(LENS + 1)]);
+        let (first, [x, y]) = (numbers(PIXEL), [x, y].map(f64::from));
+        let (on_film, on_lens) = ([x + first(0), y + first(1)], [first(LENS), first(LENS + 1)]);
+        let (mut origin, mut direction) = self.camera_ray(settings.resolution, on_film, on_lens);
         let (mut throughput, mut radiance) = (DVec3::ONE, DVec3::ZERO);
         let mut vertices = Vec::new();
-        // The ray cone: width in scene units, and what it grows by in a unit of distance. Half a pixel wide.
-        let half_pixel = self.half_height() / f64::from(settings.resolution[1]);
-        let (mut width, mut cone_angle) = match self.camera.projection {
-            Projection::Perspective(_) => (0.0, half_pixel),
-            Projection::Orthographic { .. } => (half_pixel, 0.0),
-        };
+        let (mut width, mut cone_angle) = self.camera_cone(settings.resolution[1]);
         for b in 0..=settings.max_bounces {
             // 2. The nearest hit.
             let vertex = PathVertex { throughput: throughput.into(), ..PathVertex::default() };
@@ -126,8 +111,7 @@ impl Reference {
             let area = width * length * surface.density;
             let texel = self.lookup(material.texture, surface.uv, surface.wraps, area);
             let (kind, roughness) = self.mapped_kind(material, &surface, area);
-            let ns = self.mapped_normal(material.normal_map, &surface, area).or(surface.ns);
-            let normals = lobes::Normals::facing(direction, surface.ng, ns, surface.ns);
+            let normals = self.facing_normals(material, &surface, area, direction);
             if cosine < 0.0 {
                 throughput *= rough_glass::left_after(hit.t, &material.extras);
             }
@@ -151,38 +135,28 @@ impl Reference {
             let (numbers, extras) = (numbers(bounce(b)), &material.extras);
             let (kind, color, rest) = rough_glass::part(kind, extras, color, numbers(LOBE));
             let number = |dimension| if dimension == LOBE { rest } else { numbers(dimension) };
-            let event =
-                lobes::Event { d: direction, normals: &normals, number: &number, given: None, extras };
-            let is_glass = lobes::is_glass(kind);
-            let bulge =
-                if is_glass { DVec3::ZERO } else { surface.bulge[usize::from(normals.ng != surface.ng)] };
+            let (d, normals) = (direction, &normals);
+            let event = lobes::Event { d, normals, number: &number, given: None, extras };
+            let leave = |is_delta, side| leaving_point(&surface, normals.ng, is_delta, side);
             if !self.lights.is_empty() {
-                let from = |side: f64| {
-                    let from = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
-                    let is_there = |w: DVec3| !is_glass || w.dot(normals.ng) * side > 0.0;
-                    let value = |w| values::value(kind, roughness, color, event, w);
-                    self.direct(from, |w| if is_there(w) { value(w) } else { DVec3::ZERO })
-                };
-                let light = (from(1.0) + if is_glass { from(-1.0) } else { DVec3::ZERO }) * throughput;
+                let value = |w| values::value(kind, roughness, color, event, w);
+                let from = |side| leave(lobes::is_glass(kind), side);
+                let light = throughput * self.direct_light(kind, normals.ng, from, value);
                 radiance += light;
                 let vertex = &mut vertices[b as usize];
                 (vertex.light, vertex.radiance) = (Some(light.into()), radiance.into());
             }
             let sample = lobes::sample(kind, roughness, color, event);
             let sample = sample.filter(|(_, weight, _)| throughput * *weight != DVec3::ZERO);
-            let Some((scattered, weight, is_delta)) = sample else {
-                break;
-            };
+            let Some((scattered, weight, is_delta)) = sample else { break };
             throughput *= weight;
+            let spread = if is_delta { 0.0 } else { LOBE_ANGLE * lobes::width(kind, roughness) };
             // Refraction at a sphere bends otherwise.
             let bend = if lobes::is_glass(kind) { 0.0 } else { 2.0 * surface.curvature.copysign(cosine) };
-            let spread = if is_delta { 0.0 } else { LOBE_ANGLE * lobes::width(kind, roughness) };
             cone_angle = (cone_angle + bend * length + spread).clamp(-1.0, 1.0);
             direction = scattered.normalize();
             vertices[b as usize].lobe = Some(lobe(is_delta, direction.dot(normals.ns_diffuse)));
-            let side = 1.0_f64.copysign(direction.dot(normals.ng));
-            let bulge = if is_delta { DVec3::ZERO } else { bulge };
-            origin = surface.point + bulge + normals.ng * (side * ORIGIN_OFFSET * surface.scale);
+            origin = leave(is_delta || lobes::is_glass(kind), 1.0_f64.copysign(direction.dot(normals.ng)));
         }
         vertices
     }
@@ -265,6 +239,12 @@ impl Reference {
         }
     }
 
+    /// Returns the normals of a surface, with those of maps, on the side of a ray in direction `d`.
+    fn facing_normals(&self, material: &Material, surface: &Surface, area: f64, d: DVec3) -> lobes::Normals {
+        let ns = self.mapped_normal(material.normal_map, surface, area).or(surface.ns);
+        lobes::Normals::facing(d, surface.ng, ns, surface.ns)
+    }
+
     /// The shading normal of a normal map, on the outward side; `None` without a map or a tangent.
     fn mapped_normal(&self, map: Option<u32>, surface: &Surface, area: f64) -> Option<DVec3> {
         let texel = self.lookup(Some(map?), surface.uv, surface.wraps, area);
@@ -278,39 +258,6 @@ impl Reference {
         let [x, y, z] = (texel * 2.0 - 1.0).to_array();
         let normal = right * x + up * y + around * z.max(0.0);
         (normal.length() > 0.01).then(|| normal.normalize())
-    }
-
-    /// Half the picture's height: in scene units for an orthographic camera, else at distance 1.
-    fn half_height(&self) -> f64 {
-        match self.camera.projection {
-            Projection::Perspective(_) => (f64::from(self.camera.vertical_fov).to_radians() / 2.0).tan(),
-            Projection::Orthographic { height } => 0.5 * f64::from(height),
-        }
-    }
-
-    /// Origin and unit direction of the ray through the point (x, y) of the picture, in pixels from its upper
-    /// left corner, and the point of the lens that two numbers in [0, 1) choose.
-    pub fn camera_ray(&self, resolution: [u32; 2], [x, y]: [f64; 2], on_lens: [f64; 2]) -> (DVec3, DVec3) {
-        let [width, height] = resolution.map(f64::from);
-        let position = self.camera.position.as_dvec3();
-        let forward = (self.camera.look_at.as_dvec3() - position).normalize();
-        let right = forward.cross(self.camera.up.as_dvec3()).normalize();
-        let up = right.cross(forward);
-        let half_height = self.half_height();
-        let half_width = half_height * width / height;
-        let across = (2.0 * x / width - 1.0) * half_width;
-        let upwards = (1.0 - 2.0 * y / height) * half_height;
-        let on_picture = right * across + up * upwards;
-        match self.camera.projection {
-            Projection::Orthographic { .. } => (position + on_picture, forward),
-            Projection::Perspective(lens) => {
-                // The rays through all points of the lens meet on the focal plane.
-                let focus = lens.focus.map_or(self.camera.look_at.as_dvec3().distance(position), f64::from);
-                let [a, b] = point_of_lens(&lens, on_lens).map(|x| x * f64::from(lens.radius));
-                let beside = right * a + up * b;
-                (position + beside, ((forward + on_picture) * focus - beside).normalize())
-            }
-        }
     }
 
     /// The radiance of the sky in the unit direction `d`, in a cone of the angle `cone_angle`.
@@ -327,22 +274,23 @@ impl Reference {
     }
 }
 
-/// The point of a lens of radius 1 that two numbers choose.
-fn point_of_lens(lens: &Lens, [u, v]: [f64; 2]) -> [f64; 2] {
-    let at = |radius: f64, angle: f64| [radius * angle.cos(), radius * angle.sin()];
-    let corners = f64::from(lens.blades);
-    if lens.blades > 0 {
-        // Uniform in the triangle of two corners and the middle; the first corner is the top.
-        let (side, near) = ((u * corners).floor(), (u * corners).fract().sqrt());
-        let corner = |number: f64| at(near, PI / 2.0 - TAU * number / corners);
-        let ([ax, ay], [bx, by]) = (corner(side), corner(side + 1.0));
-        return [ax + (bx - ax) * v, ay + (by - ay) * v];
+/// Returns the function from dimensions to the numbers of a sample, in [0, 1), for the event that begins at
+/// dimension `first`.
+fn numbers(settings: PathSettings, [x, y]: [u32; 2], sample: u32, first: u32) -> impl Fn(u32) -> f64 {
+    let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
+    let numbers = SampleValues::new(settings.sampler, settings.seed, sample, first);
+    move |dimension| {
+        let numbers = match first < bounce(1) {
+            true => numbers.at_pixels::<f32>(key, PixelCoordinates::Block { x, y }),
+            false => numbers.at_keys(key),
+        };
+        f64::from(numbers.get_1d(dimension))
     }
-    // Squares around the middle become circles (Shirley, Chiu, Journal of Graphics Tools 2(3), 1997).
-    let [a, b] = [2.0 * u - 1.0, 2.0 * v - 1.0];
-    match (a.abs() > b.abs(), b == 0.0) {
-        (true, _) => at(a, PI / 4.0 * b / a),
-        (false, true) => [0.0; 2],
-        (false, false) => at(b, PI / 2.0 - PI / 4.0 * a / b),
-    }
+}
+
+/// Returns the origin of a ray that leaves a surface on a side of its normal; a ray by a delta lobe, or at
+/// glass, leaves the flat triangle.
+fn leaving_point(surface: &Surface, ng: DVec3, is_flat: bool, side: f64) -> DVec3 {
+    let bulge = if is_flat { DVec3::ZERO } else { surface.bulge[usize::from(ng != surface.ng)] };
+    surface.point + bulge + ng * (side * ORIGIN_OFFSET * surface.scale)
 }

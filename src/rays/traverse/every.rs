@@ -4,7 +4,7 @@
 use super::hierarchy::Hierarchy;
 use super::single::descend;
 use super::stack::Stack;
-use super::stream::{Conservative, Stream, VisitCandidates};
+use super::stream::{Conservative, Padded, Stream, VisitCandidates};
 use super::structure::{Primitives, Structure};
 use crate::columns::Rays;
 use crate::kernel::ray_box::Padding;
@@ -168,5 +168,5 @@ pub fn visit_candidates_of_batch<const ANY: bool>(
     let tree = hierarchy(structure);
     let extent = f64::from(tree.padding.extent());
     let (padding, delta) = padding(tree, NEAR * extent, (8.0 + NEAR) * extent);
-    Conservative::new(delta, visitor).trace::<ANY>(stream, (tree, padding), rays, t_max);
+    Conservative::new(delta, visitor).trace::<ANY>(stream, Padded { hierarchy: tree, padding }, rays, t_max);
 }

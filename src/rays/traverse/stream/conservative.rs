@@ -1,13 +1,11 @@
 //! Finds the triangles that rays in doubles may hit, for rays in streams: see [`super::super::RoundedRay`].
 
 use super::listed::{BATCH, ListedRay};
-use super::{LeafTests, Stream, StreamTraversal};
+use super::{LeafTests, Padded, Stream, StreamTraversal};
 use crate::bvh::{LEAF, WIDE, WideNode};
 use crate::columns::{Hits, Rays};
-use crate::kernel::ray_box::Padding;
 use crate::lane::set_bits;
 use crate::traverse::counter::CounterSink;
-use crate::traverse::hierarchy::Hierarchy;
 
 /// What is done with a ray and a triangle that it may hit.
 pub trait VisitCandidates {
@@ -39,17 +37,11 @@ impl<V: VisitCandidates> Conservative<V> {
 
     /// Visits the triangles that up to [`BATCH`] rays may hit before their `t_max`. With `ANY`, the order of
     /// nodes is arbitrary.
-    pub fn trace<const ANY: bool>(
-        self,
-        stream: &mut Stream,
-        (hierarchy, padding): (&Hierarchy, Padding),
-        rays: &Rays,
-        t_max: &mut [f32],
-    ) {
+    pub fn trace<const ANY: bool>(self, stream: &mut Stream, padded: Padded, rays: &Rays, t_max: &mut [f32]) {
         assert!(rays.len() <= BATCH, "{} rays in a batch of {BATCH}", rays.len());
         if !rays.is_empty() {
             let mut hits = Hits { t: t_max, primitive: &mut [], u: &mut [], v: &mut [] };
-            stream.trace_batch::<ANY, _>((hierarchy, padding), rays, &mut hits, (), self);
+            stream.trace_batch::<ANY, _>(padded, rays, &mut hits, (), self);
         }
     }
 }

@@ -64,6 +64,12 @@ pub struct Stream {
     candidates: Box<HitBatch>,
 }
 
+/// A tree, and the padding of its boxes that a traversal asks for.
+pub struct Padded<'a> {
+    pub hierarchy: &'a Hierarchy,
+    pub padding: Padding,
+}
+
 impl Default for Stream {
     fn default() -> Self {
         Self::new()
@@ -98,14 +104,15 @@ impl Stream {
         for first in (0..rays.len()).step_by(BATCH) {
             let batch = first..rays.len().min(first + BATCH);
             let (rays, hits) = (&rays.range(batch.clone()), &mut hits.range(batch));
-            self.trace_batch::<ANY, _>((hierarchy, hierarchy.padding), rays, hits, counter, Nearest);
+            let padded = Padded { hierarchy, padding: hierarchy.padding };
+            self.trace_batch::<ANY, _>(padded, rays, hits, counter, Nearest);
         }
     }
 
     /// Traces 1 to [`BATCH`] rays, which end at the t of their hits.
     fn trace_batch<const ANY: bool, T: LeafTests>(
         &mut self,
-        (hierarchy, padding): (&Hierarchy, Padding),
+        Padded { hierarchy, padding }: Padded,
         rays: &Rays,
         hits: &mut Hits,
         counter: impl CounterSink,

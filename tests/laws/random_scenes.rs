@@ -3,6 +3,7 @@
 //! cameras on surfaces and in spheres, textures of one texel, lights of any strength.
 
 use crate::common::*;
+use octray::scene::{Lens, LightShape, Portal, Projection, Wrap};
 use std::ops::Range;
 
 /// One of the list.
@@ -159,6 +160,48 @@ fn add_triangles(rng: &mut Rng, scene: &mut Scene, center: DVec3, size: f64) {
     }
 }
 
+/// A pinhole, a lens of any size, or parallel rays.
+fn projection(rng: &mut Rng, size: f64) -> Projection {
+    let blades = of(rng, &[0, 3, 6, 16]);
+    let radius = (size * of(rng, &[0.0, 1e-6, 0.1, 10.0])) as f32;
+    let focus = of(rng, &[None, Some(1e-3), Some(1.0), Some(1e18)]);
+    let focus = focus.map(|focus| (size * focus) as f32);
+    match rng.index(6) {
+        0 => Projection::Perspective(Lens { radius, focus, blades }),
+        1 => Projection::Orthographic { height: (size * rng.scale(1e-6, 1e3)) as f32 },
+        _ => Projection::default(),
+    }
+}
+
+/// A point, a spot or a sun: near, on a surface, of no angle and of any strength.
+fn light(rng: &mut Rng, center: DVec3, size: f64) -> LightShape {
+    let brightness = fractions(rng) * rng.scale(1e-6, 1e6) as f32;
+    let position = (center + rng.in_cube() * size).as_vec3();
+    let intensity = brightness * (size * size) as f32;
+    let range = (size * rng.scale(1e-3, 1e3)) as f32;
+    let range = of(rng, &[f32::INFINITY, range]);
+    let outer_degrees = of(rng, &[90.0, 30.0, 1e-3]);
+    let inner_degrees = outer_degrees * fraction(rng);
+    let direction = (direction(rng) * rng.scale(1e-3, 1e3)).as_vec3();
+    match rng.index(3) {
+        0 => LightShape::Point { position, intensity, range },
+        1 => LightShape::Spot { position, direction, intensity, range, inner_degrees, outer_degrees },
+        _ => {
+            let angular_diameter_degrees = of(rng, &[0.0, 1e-3, 0.5, 180.0]);
+            LightShape::Directional { direction, irradiance: brightness, angular_diameter_degrees }
+        }
+    }
+}
+
+/// A parallelogram, a narrow one at times.
+fn portal(rng: &mut Rng, center: DVec3, size: f64) -> Portal {
+    let corner = center + rng.in_cube() * size;
+    let along = direction(rng) * size;
+    let across = along.cross(direction(rng) + rng.direction() * 0.01) * rng.scale(1e-3, 3.0);
+    let vertices = [corner, corner + along, corner + along + across, corner + across];
+    Portal { vertices: vertices.map(DVec3::as_vec3) }
+}
+
 /// Somewhere, on a surface, inside a sphere, or level with a triangle.
 fn camera(rng: &mut Rng, scene: &Scene, center: DVec3, size: f64) -> Camera {
     loop {
@@ -183,6 +226,7 @@ fn camera(rng: &mut Rng, scene: &Scene, center: DVec3, size: f64) -> Camera {
             direction(rng).as_vec3(),
             of(rng, &[40.0, 70.0, 1e-3, 179.0]),
         );
+        let aimed = Camera { projection: projection(rng, size), ..aimed };
         if aimed.fault().is_none() {
             return aimed;
         }
@@ -199,7 +243,8 @@ fn scene(rng: &mut Rng) -> Scene {
     for _ in 0..textures {
         let filter = of(rng, &[Filter::Nearest, Filter::Bilinear, Filter::Trilinear]);
         let [width, height] = [(); 2].map(|()| 1 + rng.index(6) as u32);
-        scene.textures.push(noise(rng, width, height, filter));
+        let wrap = [(); 2].map(|()| of(rng, &[Wrap::Repeat, Wrap::Repeat, Wrap::Clamp, Wrap::Mirror]));
+        scene.textures.push(Texture { wrap, ..noise(rng, width, height, filter) });
     }
     let transparent = once_in(rng, 4);
     let materials = 1 + rng.index(6);
@@ -229,6 +274,12 @@ fn scene(rng: &mut Rng) -> Scene {
         }
         _ => Sky::Color(Vec3::ONE),
     };
+    if once_in(rng, 3) {
+        scene.lights = (0..1 + rng.index(4)).map(|_| light(rng, center, size).into()).collect();
+    }
+    if once_in(rng, 3) {
+        scene.portals = (0..1 + rng.index(3)).map(|_| portal(rng, center, size)).collect();
+    }
     scene.camera = camera(rng, &scene, center, size);
     scene
 }

@@ -186,9 +186,10 @@ fn bits_depend_on_no_width_traversal_thread_or_tile_and_other_tests_take_the_sam
     let (auto, linear) = (TraversalChoice::Auto, TraversalChoice::Linear);
     let first = render(&scene, settings(1, auto, 16, 1), 4);
     let others = Traversal::ALL.map(TraversalChoice::Through);
-    for (lanes, traversal, tile, threads) in [(8, linear, 16, 1), (16, linear, 4, 2), (1, linear, 8, 1)]
-        .into_iter()
-        .chain(others.map(|traversal| (NATIVE_WIDTH, traversal, 8, 2)))
+    for (lanes, traversal, tile, threads) in
+        [(8, linear, 16, 1), (NATIVE_WIDTH, linear, 4, 2), (1, linear, 8, 1)]
+            .into_iter()
+            .chain(others.map(|traversal| (NATIVE_WIDTH, traversal, 8, 2)))
     {
         let other = render(&scene, settings(lanes, traversal, tile, threads), 4);
         assert_eq!(bits(&other), bits(&first), "{lanes} {traversal:?} {tile} {threads}");

@@ -7,11 +7,11 @@ use super::spheres::{self, Ball};
 use super::test_case::{Bound, EPSILON, FAILED, FailureCounts, TestCase, compare};
 use super::triangles;
 use crate::camera::PreparedCamera;
-use crate::math::MISS;
+use crate::math::{MISS, Ray, Vec3};
 use crate::methods::{Robust, Woop};
 use crate::reference::{Reference, Verdict};
 use crate::render::{Methods, PrimaryHit};
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Lens, Projection, Scene};
 
 pub(super) fn test_cases() -> Vec<TestCase> {
     vec![
@@ -33,6 +33,19 @@ pub(super) fn test_cases() -> Vec<TestCase> {
                 &[("corner-in-the-world", in_the_world), ("f32", in_single), ("corner-in-f64", pinhole)],
             ),
             bound: |degrees| Bound::error(8.0 * EPSILON * pixels_per_unit(degrees)),
+        },
+        TestCase {
+            name: "cameras-focus",
+            title: "Lenses focused from a hundredth of their aperture away to infinity",
+            axis: "distance of the focal plane / radius of the aperture",
+            places: &[1e-2, 0.1, 1.0, 1e2, 1e4, 1e6, 1e9, 1e15, 1e18, 1e20, 1e30, 1e36],
+            failure: "direction is NaN, or not of unit length within 4 ε",
+            error: Some("angle to the point where the pixel's rays meet, in radians"),
+            source: "Potmesil, Chakravarty, SIGGRAPH 1981: all rays of a pixel's point meet on the focal plane",
+            inputs: 50_000,
+            methods: compare(focused, &[("to-the-point", to_the_point), ("by-the-inverse", by_the_inverse)]),
+            // The direction, and the origin, whose coordinates are up to 2 radii.
+            bound: |distance| Bound::error(EPSILON * (8.0 + 4.0 / distance)),
         },
         TestCase {
             name: "cameras-inside",
@@ -119,6 +132,46 @@ fn views(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, view: View) {
     let unit = (d.length() - 1.0).abs() <= 4.0 * EPSILON && d.dot(forward) > 0.0;
     let resolved = EPSILON * pixels_per_unit(degrees) < 0.05;
     counts.record_error(if unit && (off < 0.5 || !resolved) { off } else { FAILED });
+}
+
+/// The ray of a camera with a lens through a point of the picture and, by two numbers, a point of the lens.
+type FromLens = fn(&Camera, [f32; 4]) -> Ray<f32>;
+
+/// Returns the renderer's method: it subtracts the point of the lens over the focal distance.
+fn by_the_inverse(camera: &Camera, [x, y, u, v]: [f32; 4]) -> Ray<f32> {
+    PreparedCamera::new(camera, SIZE).sample_rays(x, y, u, v)
+}
+
+/// Aims at the point where rays meet, as Ray Tracing in One Weekend does.
+fn to_the_point(camera: &Camera, [x, y, u, v]: [f32; 4]) -> Ray<f32> {
+    let origin = by_the_inverse(camera, [x, y, u, v]).origin;
+    let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
+    let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
+    let on_plane = forward + right * (across * half_width) + up * (upwards * half_height);
+    let point = camera.position + on_plane * camera.focus() as f32;
+    Ray { origin, direction: Vec3::splat((point - origin.get(0)).normalize()) }
+}
+
+fn focused(rng: &mut Rng, distance: f64, counts: &mut FailureCounts, rays: FromLens) {
+    let position = rng.in_cube().as_vec3();
+    let lens = Lens { radius: 1.0, focus: Some(distance as f32), blades: 0 };
+    let look_at = position + rng.direction().as_vec3();
+    let aimed = Camera::pinhole(position, look_at, rng.direction().as_vec3(), 50.0);
+    let camera = Camera { projection: Projection::Perspective(lens), ..aimed };
+    let [x, y] = SIZE.map(|side| (rng.unit() * f64::from(side)) as f32);
+    let Ray { origin, direction } = rays(&camera, [x, y, rng.unit() as f32, rng.unit() as f32]);
+    let forward = (look_at.as_dvec3() - position.as_dvec3()).normalize();
+    if forward.cross(aimed.up.as_dvec3()).length() < 0.1 {
+        return;
+    }
+    // From the camera and from the ray's origin to the common point, over the distance of the focal plane.
+    let pinhole = Reference::new(&Scene { camera: aimed, ..empty() });
+    let (_, towards) = pinhole.camera_ray(SIZE, [x, y].map(f64::from), [0.0; 2]);
+    let point = towards / towards.dot(forward);
+    let beside = (origin.get(0).as_dvec3() - position.as_dvec3()) / f64::from(distance as f32);
+    let d = direction.get(0).as_dvec3();
+    let off = (point - beside).normalize().cross(d).length();
+    counts.record_error(if (d.length() - 1.0).abs() <= 4.0 * EPSILON { off } else { FAILED });
 }
 
 /// Traces the scene's camera rays with a constant least t of 1e-4, a common way to avoid self-intersection.

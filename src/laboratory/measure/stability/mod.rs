@@ -22,6 +22,7 @@ mod scenes;
 pub mod shells;
 pub mod spawn;
 pub mod spheres;
+mod spots;
 mod test_case;
 mod textures;
 pub mod triangles;
@@ -43,6 +44,7 @@ static TEST_CASES: LazyLock<Vec<TestCase>> = LazyLock::new(|| {
         textures::test_cases(),
         scattering::test_cases(),
         lights::test_cases(),
+        spots::test_cases(),
         numbers::test_cases(),
         mirrors::test_cases(),
         cameras::test_cases(),

@@ -88,3 +88,20 @@ fn thin_walls_and_unlit_surfaces_are_those_of_cycles() {
 fn instances_strips_and_vertex_colours_are_those_of_cycles() {
     assert_equals_cycles("tree.gltf", 0.8, 3.0);
 }
+
+// An orthographic camera; alpha in a texture and of a material.
+#[test]
+fn cut_outs_are_those_of_cycles() {
+    assert_equals_cycles("leaves.glb", 0.6, 1.5);
+}
+
+#[test]
+fn points_spots_and_directional_lights_are_those_of_cycles() {
+    assert_equals_cycles("punctual.gltf", 0.4, 1.5);
+}
+
+// Roughness up to 0.3: from there on Cycles' rough glass gains light.
+#[test]
+fn frosted_glass_is_that_of_cycles() {
+    assert_equals_cycles("frosted.glb", 0.6, 2.0);
+}

@@ -65,7 +65,8 @@ impl AllHits {
     pub(super) fn end_ray(&mut self) {
         self.offsets.push(self.hits.len());
     }
-    pub(super) fn append(&mut self, other: Self) {
+    /// Appends the hits of more rays.
+    pub fn append(&mut self, other: Self) {
         let before = self.hits.len();
         self.offsets.extend(other.offsets.into_iter().skip(1).map(|offset| before + offset));
         self.hits.append(other.hits);

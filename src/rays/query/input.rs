@@ -2,6 +2,9 @@
 
 use super::{Error, outside};
 
+/// A t_min below 0 and above all other hits before 0: with it, a hit at t = 0 counts.
+const BEFORE_0: f64 = -f64::from_bits((1023 - 500) << 52);
+
 /// Numbers, one for each ray or sphere.
 #[derive(Clone, Copy, Debug)]
 pub enum Numbers<'a> {
@@ -168,7 +171,7 @@ impl<'a> Rays<'a> {
         let (origin, direction) = (self.origins.get(at), self.directions.get(at));
         let t_min = self.t_min.map_or(0.0, |t_min| t_min.get(at));
         let t_max = self.t_max.map_or(f64::INFINITY, |t_max| t_max.get(at));
-        let t_min = if t_min < 0.0 { 0.0 } else { t_min };
+        let t_min = if t_min < 0.0 { BEFORE_0 } else { t_min };
         let is_finite = origin.iter().chain(&direction).all(|component| component.is_finite());
         (is_finite && direction != [0.0; 3] && t_min < t_max).then_some(OneRay {
             origin,

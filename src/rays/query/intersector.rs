@@ -72,6 +72,16 @@ impl Intersector {
         self.surfaces.bytes() + self.structure.bytes()
     }
 
+    /// Returns the vertices of all meshes, one mesh after the other.
+    pub fn vertices(&self) -> &[[f64; 3]] {
+        self.surfaces.vertices()
+    }
+
+    /// Returns the faces of all meshes, as indices into [`Intersector::vertices`].
+    pub fn faces(&self) -> &[[u32; 3]] {
+        self.surfaces.faces()
+    }
+
     /// Replaces the vertices of a mesh by as many others, and refits the hierarchy: faster than building, but
     /// queries become slower the further vertices move from their neighbours. Queries on earlier clones still
     /// see the earlier vertices.
@@ -132,12 +142,23 @@ impl Intersector {
     /// Returns every hit of each ray, in order. Edges and vertices belong to each of their triangles, in both
     /// precisions. In [`Precision::Single`] a sphere is hit where a ray enters it and where it leaves it.
     pub fn all_hits(&self, rays: &Rays) -> Result<AllHits, Error> {
+        self.first_hits(rays, usize::MAX)
+    }
+
+    /// Returns the first hits of each ray, at most so many, in order.
+    pub fn first_hits(&self, rays: &Rays, most: usize) -> Result<AllHits, Error> {
         rays.check()?;
         let chunks = self.in_chunks(rays.len(), |range, memory| {
             let mut all = AllHits::default();
             for at in range {
                 if let Some(ray) = self.ray(rays, at)? {
-                    self.every_hit(&ray, memory, |hit, number| self.push(&mut all.hits, hit, number));
+                    let mut left = most;
+                    self.every_hit(&ray, memory, |hit, number| {
+                        if left > 0 {
+                            left -= 1;
+                            self.push(&mut all.hits, hit, number);
+                        }
+                    });
                 }
                 all.end_ray();
             }

@@ -35,7 +35,8 @@
 //! - **Edges and vertices** belong to each of their triangles, so [`Intersector::all_hits`] reports a hit for
 //!   each. [`Intersector::count`] and [`Intersector::contains`] cross them once in [`Precision::Exact`].
 //! - **Rays that hit nothing**: with NaN or an infinite number in origin or direction, with a direction of 0,
-//!   with a t range that is empty or has a NaN. A negative t_min is 0.
+//!   with a t range that is empty or has a NaN. A negative t_min is 0, and in [`Precision::Exact`] a hit at
+//!   t = 0 counts too.
 //! - **Triangles that nothing hits**: those with a repeated vertex. Other triangles without an area have no
 //!   hits in [`Precision::Exact`], and may have some in [`Precision::Single`]. Rays within the plane of a
 //!   triangle miss it. A triangle that is there twice is hit twice.

@@ -100,6 +100,13 @@ impl Surfaces {
         Ok(Intersector::new(self, precision))
     }
 
+    pub(super) fn vertices(&self) -> &[[f64; 3]] {
+        &self.vertices
+    }
+    pub(super) fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
     /// Replaces the vertices of a mesh by as many others.
     pub(super) fn move_vertices(&mut self, surface: usize, vertices: Points) -> Result<(), Error> {
         let part = self.parts.get(surface).filter(|part| part.kind == Kind::Triangle);

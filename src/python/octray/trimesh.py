@@ -1,0 +1,110 @@
+"""The ray queries of trimesh: ``mesh.ray = octray.trimesh.RayMeshIntersector(mesh)``."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import Mesh, _rays, _triples
+
+# The direction of the rays of `contains_points` if the mesh is open, as trimesh's.
+_DIRECTION = np.array([0.4395064455, 0.617598629942, 0.652231566745])
+
+
+class RayMeshIntersector:
+    """Answer ray queries about a mesh as trimesh's intersectors do.
+
+    Parameters
+    ----------
+    geometry : trimesh.Trimesh
+        When it changes, the next query builds the hierarchy again.
+    scale_to_box : bool
+        Without effect: results do not depend on the size of the mesh.
+    **options
+        `precision` and `threads` of `octray.Mesh`.
+
+    Notes
+    -----
+    Multiple hits are ordered as by trimesh with Embree: the first hits of all rays, the second ones, and so
+    on. Hits of a ray at the same place, as on an edge, are one. In "exact", hits at the origin count.
+    """
+
+    def __init__(self, geometry: Any, scale_to_box: bool = True, **options: Any) -> None:
+        self.mesh = geometry
+        self._options = options
+        self._built: Optional[tuple[int, Mesh]] = None
+
+    def _mesh(self) -> Mesh:
+        key = hash(self.mesh)
+        if self._built is None or self._built[0] != key:
+            vertices, faces = self.mesh.vertices.view(np.ndarray), self.mesh.faces.view(np.ndarray)
+            self._built = key, Mesh(vertices, faces, **self._options)
+        return self._built[1]
+
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[np.int32]:
+        """Find the first face of each ray, or -1."""
+        return self._mesh().closest(ray_origins, ray_directions, -1.0).primitive
+
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[np.bool_]:
+        """Test which rays hit the mesh."""
+        return self._mesh().occluded(ray_origins, ray_directions, -1.0)
+
+    def intersects_location(
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+        """Find where rays hit: locations, rays and faces."""
+        faces, rays, locations = self._hits(ray_origins, ray_directions, multiple_hits, 100)
+        return locations, rays, faces
+
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = True,
+        max_hits: int = 100,
+        return_locations: bool = False,
+    ) -> tuple:
+        """Find which faces are hit: faces and rays, and locations if `return_locations`."""
+        hits = self._hits(ray_origins, ray_directions, multiple_hits, max_hits)
+        return hits if return_locations else hits[:2]
+
+    def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Test which points are inside.
+
+        If the mesh is not watertight, rays both ways must agree, as in trimesh.
+        """
+        points = _triples("points", points)
+        mesh = self._mesh()
+        if self.mesh.is_watertight:
+            return mesh.contains(points)
+        inside = np.zeros(len(points), bool)
+        if len(mesh.faces) == 0:
+            return inside
+        low, high = self.mesh.bounds
+        left = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
+        for direction in (_DIRECTION, np.random.default_rng(0).random(3) - 0.5):
+            along = np.broadcast_to(direction, (len(left), 3))
+            there, back = mesh.count(points[left], along), mesh.count(points[left], -along)
+            agree = there % 2 == back % 2
+            inside[left[agree]] = there[agree] % 2 == 1
+            left = left[~agree & (there > 0) & (back > 0)]
+        return inside
+
+    def _hits(self, origins: ArrayLike, directions: ArrayLike, multiple: bool, most: int) -> tuple:
+        mesh = self._mesh()
+        rays = _rays(origins, directions, -1.0)
+        if not multiple:
+            most = min(most, 1)
+        # Two faces that share an edge give its t with different roundings.
+        apart = (1e-14, 0.0) if mesh.precision == "exact" else (1e-6, 0.0)
+        return mesh._mesh.hits_by_depth(rays, most, apart)
+
+    def __getstate__(self) -> dict:
+        return {**self.__dict__, "_built": None}
+
+    def __copy__(self, *memo: Any) -> RayMeshIntersector:
+        return RayMeshIntersector(self.mesh, **self._options)
+
+    __deepcopy__ = __copy__

@@ -44,6 +44,8 @@ pub fn in_parts(
         let factor = PART.as_secs_f64() / begun.elapsed().as_secs_f64().max(1e-9);
         length = ((length as f64 * factor.min(2.0)) as usize).max(threads);
         let batches = Tracer::BATCH * threads;
+        // More than a batch on one thread would only be copied once more.
+        length = if threads == 1 { length.min(batches) } else { length };
         length -= if length > batches { length % batches } else { 0 };
         start = end;
     }

@@ -18,6 +18,11 @@ pub struct HitColumns {
 }
 
 impl HitColumns {
+    pub(super) fn with_capacity(count: usize) -> Self {
+        let numbers = || Vec::with_capacity(count);
+        let [surface, primitive] = [(); 2].map(|()| Vec::with_capacity(count));
+        Self { t: numbers(), surface, primitive, u: numbers(), v: numbers() }
+    }
     /// Returns the number of hits, misses included.
     pub fn len(&self) -> usize {
         self.t.len()
@@ -26,6 +31,7 @@ impl HitColumns {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+    #[inline(always)]
     pub(super) fn push(&mut self, [t, u, v]: [f64; 3], (surface, primitive): (u32, u32)) {
         self.t.push(t);
         self.surface.push(surface);

@@ -166,7 +166,7 @@ impl<'a> Rays<'a> {
     }
 
     /// Returns a ray; `None` if it hits nothing.
-    #[inline]
+    #[inline(always)]
     pub(super) fn get(&self, at: usize) -> Option<OneRay> {
         let (origin, direction) = (self.origins.get(at), self.directions.get(at));
         let t_min = self.t_min.map_or(0.0, |t_min| t_min.get(at));

@@ -99,7 +99,7 @@ impl Intersector {
     pub fn closest(&self, rays: &Rays) -> Result<HitColumns, Error> {
         rays.check()?;
         let chunks = self.in_chunks(rays.len(), |range, memory| {
-            let mut hits = HitColumns::default();
+            let mut hits = HitColumns::with_capacity(range.len());
             let mut push = |hit: Option<([f64; 3], u32)>| match hit {
                 Some((hit, number)) => self.push(&mut hits, hit, number),
                 None => hits.push_miss(),
@@ -118,10 +118,11 @@ impl Intersector {
             }
             Ok(hits)
         })?;
-        Ok(chunks.into_iter().fold(HitColumns::default(), |mut all, chunk| {
+        let append = |mut all: HitColumns, chunk| {
             all.append(chunk);
             all
-        }))
+        };
+        Ok(chunks.into_iter().reduce(append).unwrap_or_default())
     }
 
     /// Tests which rays hit anything.
@@ -164,10 +165,11 @@ impl Intersector {
             }
             Ok(all)
         })?;
-        Ok(chunks.into_iter().fold(AllHits::default(), |mut all, chunk| {
+        let append = |mut all: AllHits, chunk| {
             all.append(chunk);
             all
-        }))
+        };
+        Ok(chunks.into_iter().reduce(append).unwrap_or_default())
     }
 
     /// Returns how many surfaces each ray crosses.
@@ -281,7 +283,11 @@ impl Intersector {
 }
 
 impl Memory {
-    fn trace<const ANY: bool>(&mut self, of: &Intersector, rays: impl Iterator<Item = Option<OneRay>>) {
+    fn trace<const ANY: bool>(
+        &mut self,
+        of: &Intersector,
+        rays: impl ExactSizeIterator<Item = Option<OneRay>>,
+    ) {
         self.batch.trace::<ANY>((&of.structure, &mut self.tracer), rays);
     }
 }

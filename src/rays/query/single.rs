@@ -29,50 +29,63 @@ struct SceneRay {
 }
 
 impl SceneRay {
+    #[inline(always)]
     fn new(structure: &Structure, ray: &OneRay) -> Option<Self> {
         let (coordinates, direction) = (structure.coordinates(), DVec3::from(ray.direction));
-        // Divided by the largest component, so that no square overflows or underflows.
-        let largest = direction.abs().max_element();
-        let length = largest * (direction / largest).length();
-        // As in [`Tracer::closest`].
-        let length = if (length - 1.0).abs() > 1e-6 { length } else { 1.0 };
-        let scale = length / coordinates.unit;
-        // The least end for which t < end is t / scale < t_max, as both are rounded.
-        let near = (ray.t_max * scale) as f32;
-        let is_behind = |end: f32| f64::from(end) / scale >= ray.t_max;
-        let end = match is_behind(near) {
-            true if is_behind(near.next_down()) => near.next_down(),
-            true => near,
-            false => near.next_up(),
+        let squared = direction.length_squared();
+        let (length, direction) = match squared {
+            // As in [`Tracer::closest`].
+            squared if (squared - 1.0).abs() <= 2e-6 => (1.0, direction),
+            1e-200..1e200 => (squared.sqrt(), direction / squared.sqrt()),
+            _ => {
+                // Divided by the largest component, so that no square overflows or underflows.
+                let largest = direction.abs().max_element();
+                let length = largest * (direction / largest).length();
+                (length, direction / length)
+            }
         };
+        let scale = length / coordinates.unit;
+        let end = if ray.t_max == f64::INFINITY { f32::INFINITY } else { end(ray.t_max, scale) };
         let ends = [(ray.t_min * scale) as f32, end];
         let ray = Ray {
             origin: Vec3::splat(coordinates.to_scene(ray.origin.into()).as_vec3()),
-            direction: Vec3::splat((direction / length).as_vec3()),
+            direction: Vec3::splat(direction.as_vec3()),
         };
         (scale.is_normal()).then_some(Self { ray, ends, scale })
     }
 }
 
+/// Returns the least end for which t < end is t / scale < t_max, as both are rounded.
+fn end(t_max: f64, scale: f64) -> f32 {
+    let near = (t_max * scale) as f32;
+    let is_behind = |end: f32| f64::from(end) / scale >= t_max;
+    match is_behind(near) {
+        true if is_behind(near.next_down()) => near.next_down(),
+        true => near,
+        false => near.next_up(),
+    }
+}
+
 impl Batch {
     /// Fills the batch; `None` is a ray that hits nothing.
-    fn fill(&mut self, structure: &Structure, rays: impl Iterator<Item = Option<OneRay>>) {
+    fn fill(&mut self, structure: &Structure, rays: impl ExactSizeIterator<Item = Option<OneRay>>) {
         let Self { columns, t_min, t, primitive, weights, scale } = self;
-        columns.iter_mut().chain([&mut *t_min, &mut *t]).for_each(Vec::clear);
-        scale.clear();
+        let count = rays.len();
+        columns.iter_mut().chain([&mut *t_min, &mut *t]).for_each(|column| column.resize(count, 0.0));
+        scale.resize(count, 0.0);
+        let [x, y, z, dx, dy, dz] = columns.each_mut().map(|column| &mut column[..count]);
+        let (t_min, t, scale) = (&mut t_min[..count], &mut t[..count], &mut scale[..count]);
         let nothing = SceneRay {
             ray: Ray { origin: Vec3::zero(), direction: Vec3::zero() },
             ends: [0.0, f32::NAN],
             scale: 1.0,
         };
-        for ray in rays {
+        for (at, ray) in (0..count).zip(rays) {
             let ray = ray.and_then(|ray| SceneRay::new(structure, &ray));
             let SceneRay { ray: Ray { origin: o, direction: d }, ends, scale: of_ray } =
                 ray.as_ref().unwrap_or(&nothing);
-            columns.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z]).for_each(|(column, x)| column.push(x));
-            t_min.push(ends[0]);
-            t.push(ends[1]);
-            scale.push(*of_ray);
+            (x[at], y[at], z[at], dx[at], dy[at], dz[at]) = (o.x, o.y, o.z, d.x, d.y, d.z);
+            (t_min[at], t[at], scale[at]) = (ends[0], ends[1], *of_ray);
         }
         primitive.clear();
         primitive.resize(t.len(), MISS);
@@ -83,7 +96,7 @@ impl Batch {
     pub fn trace<const ANY: bool>(
         &mut self,
         (structure, tracer): (&Structure, &mut Tracer),
-        rays: impl Iterator<Item = Option<OneRay>>,
+        rays: impl ExactSizeIterator<Item = Option<OneRay>>,
     ) {
         self.fill(structure, rays);
         let [x, y, z, dx, dy, dz] = &self.columns;

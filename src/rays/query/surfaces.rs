@@ -148,6 +148,9 @@ impl Surfaces {
             None => (Kind::Sphere, number as usize),
         };
         let starts = &self.starts[kind as usize];
+        if let [(_, surface)] = starts[..] {
+            return (surface, index as u32);
+        }
         // An empty surface starts where the next one does.
         let (first, surface) = starts[starts.partition_point(|(first, _)| *first <= index) - 1];
         (surface, (index - first) as u32)

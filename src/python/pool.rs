@@ -35,14 +35,15 @@ pub fn in_parts(
     (count, threads): (usize, usize),
     mut run: impl FnMut(Range<usize>) -> PyResult<()> + Send,
 ) -> PyResult<()> {
-    let (mut start, mut length) = (0, Tracer::BATCH * threads);
+    // Rays may be slow: the first part is short.
+    let (mut start, mut length) = (0, Tracer::BATCH / 16 * threads);
     while start < count {
         let (end, begun) = (count.min(start + length), Instant::now());
         py.detach(|| run(start..end))?;
         py.check_signals()?;
         // Parts become shorter where rays are slow, and are multiples of a batch where they are fast.
         let factor = PART.as_secs_f64() / begun.elapsed().as_secs_f64().max(1e-9);
-        length = ((length as f64 * factor.min(2.0)) as usize).max(threads);
+        length = ((length as f64 * factor.min(4.0)) as usize).max(threads);
         let batches = Tracer::BATCH * threads;
         // More than a batch on one thread would only be copied once more.
         length = if threads == 1 { length.min(batches) } else { length };

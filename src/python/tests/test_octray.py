@@ -174,7 +174,7 @@ def test_gil_is_released():
 
 
 LONG = {
-    "query": "octray.Mesh(*soup(20_000), threads=1).all_hits(*rays(10_000_000))",
+    "query": "octray.Mesh(*soup(20_000), threads=1).all_hits(*rays(2_000_000))",
     "render": "octray.render('builtin:three', samples=1_000_000)",
 }
 
@@ -191,7 +191,7 @@ def test_ctrl_c_ends_a_long_call(call):
     start = time.time()
     process.send_signal(signal.SIGINT)
     assert b"KeyboardInterrupt" in process.communicate(timeout=10)[1]
-    assert time.time() - start < 2
+    assert time.time() - start < 3
 
 
 SCENE = {

@@ -7,6 +7,7 @@
 
 use crate::camera::Tile;
 use crate::film::{Film, TileSums};
+use crate::math::MISS;
 use crate::openings;
 use crate::render::Renderer;
 use crate::scene::{MAX_BOUNCES, Scene, Sphere};
@@ -62,9 +63,11 @@ fn why_black(renderer: &Renderer, scene: &Scene, film: &Film, more: Option<u32>)
         format!("no light is reached within {bounces} bounces: try --bounces {more}")
     } else if let Some(index) = scene.spheres.iter().position(is_around) {
         format!("the camera is inside spheres[{index}]: move its `position` out of the ball")
+    } else if renderer.primary_hits(0).iter().all(|hit| hit.primitive == MISS) {
+        "nothing is in view: let `look_at` name a point of the scene, or leave out `camera`".to_string()
     } else if film.rays() == film.pixel_samples() && bounces > 0 {
         // No path continued after its first ray.
-        "nothing is in view: let `look_at` name a point of the scene, or leave out `camera`".to_string()
+        "nothing in view reflects light: give its materials a brighter `color`".to_string()
     } else {
         "no path has found a light: make it larger, or move away what is in front of it".to_string()
     }

@@ -122,6 +122,12 @@ fn pictures_that_lack_light_say_why() {
         assert!(said.contains(told) && warnings_of_pictures(&said) == 1, "{told}: {said}");
         assert_eq!(said, warned("8 --threads 3"));
     }
+    let black = r#"{ "format": "octray-1", "materials": { "k": { "type": "diffuse", "color": [0, 0, 0] } },
+        "spheres": [{ "center": [0, 0, 0], "radius": 1, "material": "k" }],
+        "camera": { "position": [0, 0, 3], "look_at": [0, 0, 0], "vertical_fov": 10 } }"#;
+    desk.write("scene.json", black);
+    let said = desk.warnings("render scene.json -o a.png --samples 4");
+    assert!(said.contains("is black: nothing in view reflects light"), "{said}");
 }
 
 /// The number of warnings but those of a build for another processor.

@@ -264,7 +264,16 @@ fn a_node_with_the_extra_portal_is_one_and_is_not_shown() {
         let converted = octray::scene::convert_model(&path, &folder.path("s.json")).unwrap();
         assert_eq!(in_file(folder.load("s.json", converted.text).unwrap()).portals, scene.portals);
     }
-    assert!(placed([1, 1, 1], json!({ "portal": 3 })).scene.portals.is_empty());
+    for (value, count) in [(json!(1), 1), (json!(1.0), 1), (json!(0), 0), (json!(false), 0), (json!(null), 0)]
+    {
+        let scene = placed([1, 1, 1], json!({ "portal": value })).scene;
+        assert_eq!((scene.portals.len(), scene.triangles.len()), (count, 4 - 2 * count), "{value}");
+    }
+    let bare = read(&model(|json| {
+        json["nodes"] = json!([{ "mesh": 0 }, { "extras": { "portal": true } }]);
+        json["scenes"][0]["nodes"] = json!([0, 1]);
+    }));
+    assert!(bare.warnings[0].contains("nodes[1]"), "{:?}", bare.warnings);
     let strip = model(|json| {
         json["meshes"][0]["primitives"].as_array_mut().unwrap().clear();
         json["meshes"]

@@ -141,8 +141,10 @@ impl Gltf {
     ) -> Result<(), SceneError> {
         let root = accessors.document.source.root();
         for &(node, mesh, ref transform) in &self.nodes.portals {
-            let file = accessors.document.get(&self.root.meshes, "meshes", mesh, &root)?;
-            let quad = match &file.primitives[..] {
+            let file = mesh
+                .map(|mesh| accessors.document.get(&self.root.meshes, "meshes", mesh, &root))
+                .transpose()?;
+            let quad = match file.map_or(&[][..], |file| &file.primitives) {
                 [only] => geometry::read(accessors, only, None, &root.key("meshes"), &mut Notes::default())?
                     .and_then(|geometry| geometry.quad(transform)),
                 _ => None,

@@ -3,7 +3,7 @@
 use super::super::error::SceneError;
 use super::super::notes::Notes;
 use super::bytes::{Document, broken};
-use super::schema::{Lenient, Node, NodeLight};
+use super::schema::{Extras, Lenient, Node, NodeLight};
 use glam::{DMat4, DQuat, DVec3};
 
 /// The meshes and the camera of a scene's nodes, in the coordinates of the file.
@@ -12,7 +12,7 @@ pub struct Placed {
     /// Index of each mesh, which exists, and its transform.
     pub meshes: Vec<(usize, DMat4)>,
     /// Index of each node that is a portal, of its mesh, and its transform.
-    pub portals: Vec<(usize, usize, DMat4)>,
+    pub portals: Vec<(usize, Option<usize>, DMat4)>,
     /// Index of the first camera, and its transform.
     pub camera: Option<(usize, DMat4)>,
     /// Index of each node with a light, the index of the light, and its transform.
@@ -55,11 +55,13 @@ pub fn place(document: &Document) -> Result<Placed, SceneError> {
             return Err(broken(&nodes.item(index), what));
         }
         let transform = parent * local(node);
+        let is_portal = node.extras.0.as_ref().is_some_and(Extras::is_portal);
+        if is_portal {
+            placed.portals.push((index, node.mesh.map(|mesh| mesh.0), transform));
+        }
         if let Some(mesh) = node.mesh {
             document.get(&root.meshes, "meshes", mesh.0, &nodes.item(index).key("mesh"))?;
-            if node.extras.0.as_ref().is_some_and(|extras| extras.portal) {
-                placed.portals.push((index, mesh.0, transform));
-            } else {
+            if !is_portal {
                 placed.meshes.push((mesh.0, transform));
                 placed.skinned.extend(node.skin.map(|_| index));
             }

@@ -5,8 +5,8 @@
 
 use serde::de::{DeserializeOwned, Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
-use serde_json::Number;
 use serde_json::value::RawValue;
+use serde_json::{Number, Value};
 use std::collections::HashMap;
 
 /// A value; `None` if it is missing or does not follow the schema, which is no fault until it is used.
@@ -88,7 +88,7 @@ optional! {
         rotation: Option<[f64; 4]>, scale: Option<[f64; 3]>, translation: Option<[f64; 3]>,
         extras: Lenient<Extras>,
     }
-    Extras { portal: bool }
+    Extras { portal: Value }
     NodeExtensions { #[serde(rename = "KHR_lights_punctual")] light: Option<Lenient<NodeLight>> }
     RootExtensions { #[serde(rename = "KHR_lights_punctual")] lights: Lenient<Lights> }
     Lights { lights: List<Light> }
@@ -174,6 +174,13 @@ objects! {
     TextureInfo {
         index: Whole, #[serde(default)] tex_coord: Whole, scale: Option<f64>,
         #[serde(default)] extensions: TextureExtensions,
+    }
+}
+
+impl Extras {
+    /// Tests whether the node is a portal: `true` or, as some programs write it, 1.
+    pub fn is_portal(&self) -> bool {
+        !matches!(&self.portal, Value::Null | Value::Bool(false)) && self.portal.as_f64() != Some(0.0)
     }
 }
 

@@ -148,7 +148,7 @@ impl Brightness {
 struct Loss {
     /// The share of all light.
     total: f32,
-    /// The share of the blocks of paths in which three paths in four have less than half of their light.
+    /// The share of the blocks of paths that have less than half of their light, three paths in four too.
     blocks: f32,
 }
 
@@ -175,7 +175,9 @@ impl Loss {
         let [short_sum, long_sum] = [&short, &long].map(|light| light.iter().sum::<f32>());
         let halved = |(short, long): (&[f32], &[f32])| {
             let halved = short.iter().zip(long).filter(|(short, long)| 2.0 * **short < **long);
-            4 * halved.count() >= 3 * short.len()
+            // Where paths seldom find light, many are halved, but not their sum.
+            let [short_sum, long_sum] = [short, long].map(|light| light.iter().sum::<f32>());
+            4 * halved.count() >= 3 * short.len() && 2.0 * short_sum < long_sum
         };
         let blocks = || short.chunks(BLOCK).zip(long.chunks(BLOCK));
         Self {

@@ -190,8 +190,8 @@ def test_ctrl_c_ends_a_long_call(call):
     assert process.poll() is None
     start = time.time()
     process.send_signal(signal.SIGINT)
-    assert b"KeyboardInterrupt" in process.communicate(timeout=10)[1]
-    assert time.time() - start < 3
+    assert b"KeyboardInterrupt" in process.communicate(timeout=60)[1]
+    assert time.time() - start < 10
 
 
 SCENE = {

@@ -181,7 +181,9 @@ LONG = {
 
 @pytest.mark.parametrize("call", LONG)
 def test_ctrl_c_ends_a_long_call(call):
-    code = f"from test_octray import *; print('begun', flush=True); {LONG[call]}"
+    # Where the tests run in the background, Ctrl-C is ignored until it has a handler.
+    handler = "signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"from test_octray import *; {handler}; print('begun', flush=True); {LONG[call]}"
     process = subprocess.Popen(
         [sys.executable, "-c", code], cwd=os.path.dirname(__file__), stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )

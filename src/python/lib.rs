@@ -1,5 +1,13 @@
 //! The extension module `_octray`, on which the Python package `octray` is built: it takes and returns NumPy
 //! arrays, and the package checks and converts what users give.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `pool` | threads, and long work in parts |
+//! | `mesh` | meshes, and queries about rays and points |
+//! | `render` | pictures of scenes |
+
+#![forbid(unsafe_code)]
 
 mod mesh;
 mod pool;

@@ -248,8 +248,8 @@ impl Mesh {
     }
 
     /// Returns face, ray and location of all hits: the first hits of all rays, then the second ones, and so
-    /// on. Hits of a ray that are no further than `apart` from each other, which is a factor of t and a length,
-    /// are one.
+    /// on. Hits of a ray that are no further than `apart` from each other, which is a factor of t and a
+    /// length, are one.
     #[allow(clippy::type_complexity)]
     fn hits_by_depth<'py>(
         &self,

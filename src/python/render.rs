@@ -27,7 +27,8 @@ impl RenderObserver for Until {
     fn sample_done(&self, _pixels: usize, _rays: u64) {}
 }
 
-/// Renders the scene at `path`, or with the JSON `text` as if it were there. Returns the picture and warnings.
+/// Renders the scene at `path`, or with the JSON `text` as if it were there. Returns the picture and the
+/// warnings.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn render<'py>(

@@ -4,7 +4,7 @@ use crate::pool::{in_parts, pool};
 use bytemuck::cast_slice;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use octray_rays::Tracer;
-use octray_rays::query::{AllHits, Error, Intersector, Numbers, Points, Precision, Rays, Surfaces, Threads};
+use octray_rays::query::{AllHits, Error, Intersector, Points, Precision, Rays, Surfaces, Threads};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::ops::Range;
@@ -25,34 +25,6 @@ impl Triples<'_> {
     }
 }
 
-/// Slices of rays: origins, directions, t_min and t_max.
-#[derive(Clone, Copy)]
-struct RaySlices<'a> {
-    triples: [Points<'a>; 2],
-    ends: [Option<&'a [f64]>; 2],
-}
-
-fn part<'a>(points: Points<'a>, range: Range<usize>) -> Points<'a> {
-    match points {
-        Points::F32(points) => Points::F32(&points[range]),
-        Points::F64(points) => Points::F64(&points[range]),
-        Points::Columns(_) => unreachable!("arrays of triples are no columns"),
-    }
-}
-
-impl<'a> RaySlices<'a> {
-    fn len(&self) -> usize {
-        Rays::new(self.triples[0], self.triples[1]).len()
-    }
-    fn part(&self, range: Range<usize>) -> Rays<'a> {
-        let [origins, directions] = self.triples.map(|points| part(points, range.clone()));
-        let [t_min, t_max] = self.ends.map(|ends| ends.map(|ends| Numbers::F64(&ends[range.clone()])));
-        let rays = Rays::new(origins, directions);
-        let rays = t_min.into_iter().fold(rays, Rays::after);
-        t_max.into_iter().fold(rays, Rays::until)
-    }
-}
-
 /// The ends of rays, as an array or none.
 type Ends<'py> = Option<PyReadonlyArray1<'py, f64>>;
 /// Origins, directions, t_min and t_max.
@@ -65,9 +37,15 @@ type HitArrays<'py> = (
     Bound<'py, PyArray1<f64>>,
 );
 
-fn slices<'a>((origins, directions, t_min, t_max): &'a RayArrays) -> PyResult<RaySlices<'a>> {
-    let ends = |ends: &'a Ends| ends.as_ref().map(|ends| ends.as_slice()).transpose();
-    Ok(RaySlices { triples: [origins.points()?, directions.points()?], ends: [ends(t_min)?, ends(t_max)?] })
+fn rays<'a>((origins, directions, t_min, t_max): &'a RayArrays) -> PyResult<Rays<'a>> {
+    let mut rays = Rays::new(origins.points()?, directions.points()?);
+    if let Some(t_min) = t_min {
+        rays = rays.after(t_min.as_slice()?);
+    }
+    if let Some(t_max) = t_max {
+        rays = rays.until(t_max.as_slice()?);
+    }
+    Ok(rays)
 }
 
 /// Returns an error of a part that begins with a ray as that of the whole.
@@ -123,9 +101,9 @@ impl Mesh {
         Ok(array)
     }
 
-    fn all(&self, py: Python, rays: RaySlices, max_hits: usize) -> PyResult<AllHits> {
+    fn all(&self, py: Python, rays: Rays, max_hits: usize) -> PyResult<AllHits> {
         let mut all = AllHits::default();
-        let query = |of: &Intersector, range| of.first_hits(&rays.part(range), max_hits);
+        let query = |of: &Intersector, range| of.first_hits(&rays.range(range), max_hits);
         self.for_parts(py, rays.len(), query, |_, part| all.append(part))?;
         Ok(all)
     }
@@ -145,14 +123,6 @@ impl Mesh {
             t = if (of_plane - t).abs() < 1e-3 * t { of_plane } else { t };
         }
         std::array::from_fn(|axis| origin[axis] + t * direction[axis])
-    }
-}
-
-fn get(points: &Points, at: usize) -> [f64; 3] {
-    match points {
-        Points::F32(points) => points[at].map(f64::from),
-        Points::F64(points) => points[at],
-        Points::Columns(_) => unreachable!("arrays of triples are no columns"),
     }
 }
 
@@ -191,7 +161,7 @@ impl Mesh {
     }
 
     fn closest<'py>(&self, py: Python<'py>, rays: RayArrays) -> PyResult<HitArrays<'py>> {
-        let rays = slices(&rays)?;
+        let rays = self::rays(&rays)?;
         let count = rays.len();
         let [t, u, v] = std::array::from_fn(|_| PyArray1::<f64>::zeros(py, count, false));
         let primitive = PyArray1::<i32>::zeros(py, count, false);
@@ -204,7 +174,7 @@ impl Mesh {
             self.for_parts(
                 py,
                 count,
-                |of, range| of.closest(&rays.part(range)),
+                |of, range| of.closest(&rays.range(range)),
                 |range, hits| {
                     t[range.clone()].copy_from_slice(&hits.t);
                     u[range.clone()].copy_from_slice(&hits.u);
@@ -218,19 +188,18 @@ impl Mesh {
     }
 
     fn occluded<'py>(&self, py: Python<'py>, rays: RayArrays) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let rays = slices(&rays)?;
-        self.map(py, rays.len(), |of, range| of.occluded(&rays.part(range)))
+        let rays = self::rays(&rays)?;
+        self.map(py, rays.len(), |of, range| of.occluded(&rays.range(range)))
     }
 
     fn count<'py>(&self, py: Python<'py>, rays: RayArrays) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        let rays = slices(&rays)?;
-        self.map(py, rays.len(), |of, range| of.count(&rays.part(range)))
+        let rays = self::rays(&rays)?;
+        self.map(py, rays.len(), |of, range| of.count(&rays.range(range)))
     }
 
     fn contains<'py>(&self, py: Python<'py>, points: Triples) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let points = points.points()?;
-        let count = Rays::new(points, points).len();
-        self.map(py, count, |of, range| of.contains(part(points, range)))
+        self.map(py, points.len(), |of, range| of.contains(points.range(range)))
     }
 
     /// Returns the offsets, and t, primitive, u and v of all hits.
@@ -240,7 +209,7 @@ impl Mesh {
         rays: RayArrays,
         max_hits: usize,
     ) -> PyResult<(Bound<'py, PyArray1<i64>>, HitArrays<'py>)> {
-        let AllHits { offsets, hits } = self.all(py, slices(&rays)?, max_hits)?;
+        let AllHits { offsets, hits } = self.all(py, self::rays(&rays)?, max_hits)?;
         let primitive = hits.primitive.into_iter().map(|number| number as i32);
         let offsets = PyArray1::from_iter(py, offsets.into_iter().map(|offset| offset as i64));
         let [t, u, v] = [hits.t, hits.u, hits.v].map(|column| PyArray1::from_vec(py, column));
@@ -258,10 +227,9 @@ impl Mesh {
         max_hits: usize,
         apart: [f64; 2],
     ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>)> {
-        let rays = slices(&rays)?;
+        let (origins, directions) = (rays.0.points()?, rays.1.points()?);
         // Duplicates do not count, so more hits than `max_hits` may be needed.
-        let AllHits { offsets, hits } = self.all(py, rays, max_hits.saturating_mul(8))?;
-        let [origins, directions] = rays.triples;
+        let AllHits { offsets, hits } = self.all(py, self::rays(&rays)?, max_hits.saturating_mul(8))?;
         let mut by_depth: Vec<[Vec<i64>; 2]> = Vec::new();
         let mut locations: Vec<Vec<[f64; 3]>> = Vec::new();
         py.detach(|| {
@@ -279,7 +247,7 @@ impl Mesh {
                     let face = hits.primitive[at];
                     by_depth[depth][0].push(face.into());
                     by_depth[depth][1].push(ray as i64);
-                    let (origin, direction) = (get(&origins, ray), get(&directions, ray));
+                    let (origin, direction) = (origins.get(ray), directions.get(ray));
                     locations[depth].push(self.location(origin, direction, (t, face)));
                     (last, depth) = (t, depth + 1);
                 }

@@ -4,7 +4,7 @@ use super::expansion::{Expansion, sign};
 use super::{BOUND, Point, cross, dot, largest, length_1, sub};
 use std::cmp::Ordering::{self, Equal, Greater, Less};
 
-/// What happens at edges and vertices.
+/// The rule by which rays hit edges and vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// Triangles contain their edges and vertices.

@@ -1,6 +1,7 @@
 //! Slices of numbers, points and rays, in single or double precision.
 
 use super::{Error, outside};
+use std::ops::Range;
 
 /// A t_min below 0 and above all other hits before 0: with it, a hit at t = 0 counts.
 const BEFORE_0: f64 = -f64::from_bits((1023 - 500) << 52);
@@ -76,6 +77,12 @@ impl Numbers<'_> {
             Self::F64(numbers) => numbers.len(),
         }
     }
+    fn range(self, range: Range<usize>) -> Self {
+        match self {
+            Self::F32(numbers) => Self::F32(&numbers[range]),
+            Self::F64(numbers) => Self::F64(&numbers[range]),
+        }
+    }
     #[inline(always)]
     pub(super) fn get(&self, at: usize) -> f64 {
         match self {
@@ -86,15 +93,29 @@ impl Numbers<'_> {
 }
 
 impl Points<'_> {
-    pub(super) fn len(&self) -> usize {
+    /// Returns how many there are.
+    pub fn len(&self) -> usize {
         match self {
             Self::F32(points) => points.len(),
             Self::F64(points) => points.len(),
             Self::Columns([x, ..]) => x.len(),
         }
     }
+    /// Tests whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Returns the points with these indices.
+    pub fn range(self, range: Range<usize>) -> Self {
+        match self {
+            Self::F32(points) => Self::F32(&points[range]),
+            Self::F64(points) => Self::F64(&points[range]),
+            Self::Columns(columns) => Self::Columns(columns.map(|column| column.range(range.clone()))),
+        }
+    }
+    /// Returns one point.
     #[inline(always)]
-    pub(super) fn get(&self, at: usize) -> [f64; 3] {
+    pub fn get(&self, at: usize) -> [f64; 3] {
         match self {
             Self::F32(points) => points[at].map(f64::from),
             Self::F64(points) => points[at],
@@ -154,6 +175,16 @@ impl<'a> Rays<'a> {
     /// Tests whether there are no rays.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+    /// Returns the rays with these indices.
+    pub fn range(self, range: Range<usize>) -> Self {
+        let ends = |ends: Option<Numbers<'a>>| ends.map(|ends| ends.range(range.clone()));
+        Self {
+            origins: self.origins.range(range.clone()),
+            directions: self.directions.range(range.clone()),
+            t_min: ends(self.t_min),
+            t_max: ends(self.t_max),
+        }
     }
 
     /// Tests whether all columns have the same length.

@@ -23,7 +23,7 @@ const DIRECTION: [f64; 3] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2, 0
 /// The threads that answer queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Threads {
-    /// Those of the rayon pool in which a query is called.
+    /// The threads of the rayon pool in which a query is called.
     #[default]
     Pool,
     /// Only the thread that calls a query.
@@ -98,7 +98,7 @@ impl Intersector {
     /// Returns the first hit of each ray, or a miss.
     pub fn closest(&self, rays: &Rays) -> Result<HitColumns, Error> {
         rays.check()?;
-        let chunks = self.in_chunks(rays.len(), |range, memory| {
+        self.in_chunks(rays.len(), HitColumns::append, |range, memory| {
             let mut hits = HitColumns::with_capacity(range.len());
             let mut push = |hit: Option<([f64; 3], u32)>| match hit {
                 Some((hit, number)) => self.push(&mut hits, hit, number),
@@ -117,18 +117,13 @@ impl Intersector {
                 (0..count).for_each(|at| push(memory.batch.hit(at)));
             }
             Ok(hits)
-        })?;
-        let append = |mut all: HitColumns, chunk| {
-            all.append(chunk);
-            all
-        };
-        Ok(chunks.into_iter().reduce(append).unwrap_or_default())
+        })
     }
 
     /// Tests which rays hit anything.
     pub fn occluded(&self, rays: &Rays) -> Result<Vec<bool>, Error> {
         rays.check()?;
-        let chunks: Vec<Vec<_>> = self.in_chunks(rays.len(), |range, memory| {
+        self.in_chunks(rays.len(), Vec::extend, |range, memory| {
             let count = range.len();
             if self.precision == Precision::Exact {
                 self.trace_exact::<true>(rays, range, memory)?;
@@ -136,8 +131,7 @@ impl Intersector {
             }
             memory.trace::<true>(self, range.map(|at| rays.get(at)));
             Ok((0..count).map(|at| memory.batch.hit(at).is_some()).collect())
-        })?;
-        Ok(chunks.concat())
+        })
     }
 
     /// Returns every hit of each ray, in order. Edges and vertices belong to each of their triangles, in both
@@ -149,7 +143,7 @@ impl Intersector {
     /// Returns the first hits of each ray, at most so many, in order.
     pub fn first_hits(&self, rays: &Rays, most: usize) -> Result<AllHits, Error> {
         rays.check()?;
-        let chunks = self.in_chunks(rays.len(), |range, memory| {
+        self.in_chunks(rays.len(), AllHits::append, |range, memory| {
             let mut all = AllHits::default();
             for at in range {
                 if let Some(ray) = self.ray(rays, at)? {
@@ -164,12 +158,7 @@ impl Intersector {
                 all.end_ray();
             }
             Ok(all)
-        })?;
-        let append = |mut all: AllHits, chunk| {
-            all.append(chunk);
-            all
-        };
-        Ok(chunks.into_iter().reduce(append).unwrap_or_default())
+        })
     }
 
     /// Returns how many surfaces each ray crosses.
@@ -181,13 +170,10 @@ impl Intersector {
     /// hits of [`Intersector::all_hits`].
     pub fn count(&self, rays: &Rays) -> Result<Vec<u32>, Error> {
         rays.check()?;
-        let count = |at, memory: &mut Memory| {
+        self.one_by_one(rays.len(), |at, memory| {
             let ray = self.ray(rays, at)?;
             Ok(ray.map_or(0, |ray| self.crossings(&ray, memory)))
-        };
-        let chunks: Vec<Vec<_>> =
-            self.in_chunks(rays.len(), |range, memory| range.map(|at| count(at, memory)).collect())?;
-        Ok(chunks.concat())
+        })
     }
 
     /// Tests which points are inside: a ray from there crosses the surfaces an odd number of times. All
@@ -200,7 +186,7 @@ impl Intersector {
     pub fn contains<'a>(&self, points: impl Into<Points<'a>>) -> Result<Vec<bool>, Error> {
         let points = points.into();
         points.check("columns", points.len())?;
-        let contains = |at, memory: &mut Memory| {
+        self.one_by_one(points.len(), |at, memory| {
             let (origin, [t_min, t_max]) = (points.get(at), [0.0, f64::INFINITY]);
             let ray = OneRay { origin, direction: DIRECTION, t_min, t_max };
             if origin.iter().any(|component| !component.is_finite()) {
@@ -208,10 +194,7 @@ impl Intersector {
             }
             self.check(&ray, at)?;
             Ok(self.crossings(&ray, memory) % 2 == 1)
-        };
-        let chunks: Vec<Vec<_>> =
-            self.in_chunks(points.len(), |range, memory| range.map(|at| contains(at, memory)).collect())?;
-        Ok(chunks.concat())
+        })
     }
 
     fn exact(&self) -> Exact<'_> {
@@ -234,10 +217,10 @@ impl Intersector {
         range: Range<usize>,
         memory: &mut Memory,
     ) -> Result<(), Error> {
-        range.clone().try_for_each(|at| self.ray(rays, at).map(|_| ()))?;
-        let Memory { exact, stack, .. } = memory;
-        self.exact().trace::<ANY>(exact, stack, range.map(|at| rays.get(at)));
-        Ok(())
+        let (Memory { exact, stack, .. }, mut fault) = (memory, Ok(()));
+        let rays = range.map_while(|at| self.ray(rays, at).map_err(|error| fault = Err(error)).ok());
+        self.exact().trace::<ANY>(exact, stack, rays);
+        fault
     }
 
     fn every_hit(&self, ray: &OneRay, memory: &mut Memory, push: impl FnMut([f64; 3], u32)) {
@@ -263,12 +246,22 @@ impl Intersector {
         hits.push([t, u, v], self.surfaces.place(number));
     }
 
-    /// Runs a query on chunks of `count` rays; returns the answers in order, or the first error.
-    fn in_chunks<R: Send>(
+    /// Runs a query on each of `count` rays; returns the answers in order, or the first error.
+    fn one_by_one<R: Send>(
         &self,
         count: usize,
-        query: impl Fn(Range<usize>, &mut Memory) -> Result<R, Error> + Sync,
+        query: impl Fn(usize, &mut Memory) -> Result<R, Error> + Sync,
     ) -> Result<Vec<R>, Error> {
+        self.in_chunks(count, Vec::extend, |range, memory| range.map(|at| query(at, memory)).collect())
+    }
+
+    /// Runs a query on chunks of `count` rays; returns the answers, appended in order, or the first error.
+    fn in_chunks<R: Send + Default>(
+        &self,
+        count: usize,
+        append: impl Fn(&mut R, R),
+        query: impl Fn(Range<usize>, &mut Memory) -> Result<R, Error> + Sync,
+    ) -> Result<R, Error> {
         let run = |chunk: usize| {
             let range = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
             MEMORY.with_borrow_mut(|memory| query(range, memory))
@@ -278,7 +271,12 @@ impl Intersector {
             Threads::Pool => chunks.into_par_iter().map(run).collect(),
             Threads::Caller => chunks.map(run).collect(),
         };
-        answers.into_iter().collect()
+        let joined = answers.into_iter().reduce(|all, chunk| {
+            let mut all = all?;
+            append(&mut all, chunk?);
+            Ok(all)
+        });
+        joined.unwrap_or_else(|| Ok(R::default()))
     }
 }
 

@@ -72,7 +72,7 @@ pub enum Precision {
     Exact,
 }
 
-/// What is wrong with surfaces or rays.
+/// An error in surfaces or rays.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
@@ -105,7 +105,7 @@ pub enum Error {
     },
     /// Columns or lists that belong together have different lengths.
     Length {
-        /// What has the wrong length.
+        /// The name of the columns or lists.
         of: &'static str,
         /// The length.
         found: usize,

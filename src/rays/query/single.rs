@@ -34,7 +34,7 @@ impl SceneRay {
         let (coordinates, direction) = (structure.coordinates(), DVec3::from(ray.direction));
         let squared = direction.length_squared();
         let (length, direction) = match squared {
-            // As in [`Tracer::closest`].
+            // The tolerance is that of [`Tracer::closest`].
             squared if (squared - 1.0).abs() <= 2e-6 => (1.0, direction),
             1e-200..1e200 => (squared.sqrt(), direction / squared.sqrt()),
             _ => {
@@ -101,7 +101,7 @@ impl Batch {
         self.fill(structure, rays);
         let [x, y, z, dx, dy, dz] = &self.columns;
         let mut rays = Rays::new([x, y, z], [dx, dy, dz]);
-        // As if of the last primitive: hits at the bound do not count.
+        // The bound is a hit of the last primitive, so that no hit at its t follows it.
         let bound = vec![MISS; if self.t_min.iter().any(|&t_min| t_min > 0.0) { rays.len() } else { 0 }];
         if !bound.is_empty() {
             rays = rays.beyond(&self.t_min, &bound);

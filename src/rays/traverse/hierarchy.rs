@@ -29,16 +29,19 @@ impl Hierarchy {
     /// Builds the hierarchy with a given layout of triangle leaves; `None` chooses by their size.
     pub fn in_layout(geometry: &Geometry, trees: Trees, layout: Option<Layout>) -> Self {
         let (bvh, padding) = rayon::join(|| Bvh::new(geometry, trees), || geometry.padding());
-        let leaves = Leaves::new(geometry, &bvh.leaves, size_of_val(bvh.wide.as_slice()), layout);
-        Self { leaves, coordinates: geometry.coordinates, padding, bvh }
+        Self::over(geometry, bvh, padding, layout)
     }
 
     /// Returns a hierarchy with the same tree over primitives that have moved.
     pub fn refitted(&self, geometry: &Geometry) -> Self {
         let mut bvh = self.bvh.clone();
         bvh.refit(|number| Bounds::new(geometry.shape(number).bounds()));
-        let leaves = Leaves::new(geometry, &bvh.leaves, size_of_val(bvh.wide.as_slice()), None);
-        Self { leaves, coordinates: geometry.coordinates, padding: geometry.padding(), bvh }
+        Self::over(geometry, bvh, geometry.padding(), None)
+    }
+
+    fn over(geometry: &Geometry, bvh: Bvh, padding: Padding, layout: Option<Layout>) -> Self {
+        let leaves = Leaves::new(geometry, &bvh.leaves, size_of_val(bvh.wide.as_slice()), layout);
+        Self { leaves, coordinates: geometry.coordinates, padding, bvh }
     }
 
     /// Returns the size of nodes and leaves in bytes.

@@ -7,7 +7,7 @@ use crate::columns::{Hits, Rays};
 use crate::lane::set_bits;
 use crate::traverse::counter::CounterSink;
 
-/// What is done with a ray and a triangle that it may hit.
+/// Visits rays and triangles that they may hit.
 pub trait VisitCandidates {
     /// Fetches the place of a triangle's vertices into the cache.
     fn prefetch_face(&self, triangle: u32);

@@ -175,7 +175,7 @@ struct StreamTraversal<'a, 'b, C, T> {
     tests: T,
 }
 
-/// What becomes of the rays that reach leaves of triangles.
+/// Tests the rays that reach leaves of triangles.
 trait LeafTests: Sized {
     /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles in its slot. The
     /// rays come from the `count` rays of a node.

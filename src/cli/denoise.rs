@@ -17,14 +17,6 @@ pub fn raw_file(output: &Path) -> PathBuf {
     output.with_extension("raw.exr")
 }
 
-/// Computes the AOVs at the renderer's camera, and those of the denoiser.
-pub fn aovs(renderer: &Renderer) -> (Aovs, DenoiserAovs) {
-    let (mut first, mut guides) = (Aovs::default(), DenoiserAovs::default());
-    renderer.aovs_into(&mut first);
-    renderer.denoiser_aovs_into(&first, &mut guides);
-    (first, guides)
-}
-
 /// Returns the rows of the denoiser's AOVs that a shard keeps.
 pub fn rows_of_shard(guides: &DenoiserAovs, shard: Shard) -> GuideRows {
     shard.rows(guides.centers().resolution()[1]).map(|y| (y, guides.row_words(y))).collect()

@@ -145,7 +145,7 @@ impl Rendering {
             _ => None,
         };
         let kept_rows = match job.shard.filter(|_| options.denoise) {
-            Some(shard) => denoise::rows_of_shard(&denoise::aovs(renderer).1, shard),
+            Some(shard) => denoise::rows_of_shard(&renderer.aovs().1, shard),
             None => Vec::new(),
         };
         if let Some(writer) = &mut writer {
@@ -164,7 +164,7 @@ impl Rendering {
         let odd = if is_judged { diagnosis::warnings(renderer, scene, &film, tone) } else { Vec::new() };
         let begun = film.pixels_begun() as f64 / film.pixels() as f64;
         interrupt::hold();
-        let seen = (report.denoised || job.aovs.is_some()).then(|| denoise::aovs(renderer));
+        let seen = (report.denoised || job.aovs.is_some()).then(|| renderer.aovs());
         let aovs = match (&job.aovs, &seen) {
             (Some(file), Some(seen)) => denoise::save_aovs(file, renderer, scene, &film, seen),
             _ => Ok(()),

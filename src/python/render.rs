@@ -5,7 +5,6 @@ use bytemuck::{cast_slice, pod_collect_to_vec};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3};
 use octray_display::{Denoiser, Samples};
 use octray_engine::film::Picture;
-use octray_engine::integrate::{aovs::Aovs, edge_aovs::DenoiserAovs};
 use octray_engine::render::{RenderObserver, Renderer, Settings};
 use octray_engine::tone::{Operator, Tone};
 use octray_formats::output::{Format, encode};
@@ -64,9 +63,7 @@ pub fn render<'py>(
         py.check_signals()?;
     }
     let denoised = || {
-        let (mut first, mut aovs) = (Aovs::default(), DenoiserAovs::default());
-        renderer.aovs_into(&mut first);
-        renderer.denoiser_aovs_into(&first, &mut aovs);
+        let (_, aovs) = renderer.aovs();
         Denoiser::default().filter(&film.picture(), Samples::Same(samples), &aovs).clone()
     };
     let picture = py.detach(|| if denoise { pool.install(denoised) } else { film.picture() });

@@ -93,6 +93,14 @@ impl Renderer {
         channels
     }
 
+    /// Returns the AOVs, and those of the denoiser.
+    pub fn aovs(&self) -> (Aovs, DenoiserAovs) {
+        let (mut first, mut guides) = (Aovs::default(), DenoiserAovs::default());
+        self.aovs_into(&mut first);
+        self.denoiser_aovs_into(&first, &mut guides);
+        (first, guides)
+    }
+
     /// Computes the AOVs of the surface at the centre of every pixel.
     pub fn aovs_into(&self, aovs: &mut Aovs) {
         aovs.resize(self.settings.resolution);

@@ -76,17 +76,14 @@ impl Running {
         self.said.wait_for(words);
     }
 
-    /// Waits until Ctrl-C is heard, and returns the mask of signals that are: the second bit is that of the
-    /// second signal.
+    /// Waits until Ctrl-C is heard, and returns the mask of signals that are.
     #[cfg(target_os = "linux")]
     fn wait_until_it_listens(&mut self) -> u64 {
         wait_for("a handler of Ctrl-C", || {
             assert_eq!(self.child.try_wait().unwrap(), None, "the program ended");
             // The shell that starts the program may have handlers of its own.
             let exe = std::fs::read_link(format!("/proc/{}/exe", self.child.id())).ok()?;
-            let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
-            let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
-            let caught = u64::from_str_radix(caught.trim(), 16).unwrap();
+            let caught = signals(&self.child.id().to_string(), "SigCgt:").unwrap();
             (exe.file_name() == Path::new(PROGRAM).file_name() && caught & 2 > 0).then_some(caught)
         })
     }
@@ -113,6 +110,13 @@ impl Drop for Running {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// Returns a mask of signals of a process on Linux: the second bit is that of the second signal.
+fn signals(process: &str, kind: &str) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let mask = status.lines().find_map(|line| line.strip_prefix(kind))?;
+    Some(u64::from_str_radix(mask.trim(), 16).unwrap())
 }
 
 /// Returns the standard output of a rendering that Ctrl-C ends when tiles are done.
@@ -178,9 +182,7 @@ fn ctrl_c_ends_a_sample_that_takes_minutes_and_keeps_its_tiles() {
 
 /// Whether the tests themselves run under nohup; their programs inherit that.
 fn ignores_hang_up() -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    ignored.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 1 == 1)
+    signals("self", "SigIgn:").is_some_and(|mask| mask & 1 == 1)
 }
 
 /// `timeout` and shells send their signals twice.

@@ -6,8 +6,8 @@ use crate::scene::{LightShape, MaterialKind};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// The angle between two vectors, in radians.
-fn angle(a: DVec3, b: DVec3) -> f64 {
+/// Returns the angle between two vectors, in radians.
+pub(crate) fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
@@ -16,9 +16,9 @@ fn within(distance: f64, range: f32) -> f64 {
     (1.0 - (distance / f64::from(range)).powi(4)).clamp(0.0, 1.0)
 }
 
-/// How much of a spot's light is left at an angle: the share of the way from the outer cone's cosine to the
-/// inner one's, squared.
-fn falloff(angle: f64, inner_degrees: f32, outer_degrees: f32) -> f64 {
+/// Returns how much of a spot's light is left at an angle: the share of the way from the outer cone's cosine
+/// to the inner one's, squared.
+pub(crate) fn falloff(angle: f64, inner_degrees: f32, outer_degrees: f32) -> f64 {
     let [inner, outer] = [inner_degrees, outer_degrees].map(|degrees| f64::from(degrees).to_radians());
     if angle <= inner {
         return 1.0;

@@ -15,7 +15,7 @@
 
 mod camera;
 mod geometry;
-mod lights;
+pub(crate) mod lights;
 mod lobes;
 pub mod path;
 mod rough_glass;

@@ -82,7 +82,7 @@ impl Reference {
     /// The path of that sample: the end of each segment, and the radiance up to there.
     pub fn vertices(&self, settings: PathSettings, x: u32, y: u32, sample: u32) -> Vec<PathVertex<f64>> {
         let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
-        let numbers = |first| numbers(settings, [x, y], sample, first);
+        let numbers = |first| numbers(settings, key, [x, y], sample, first);
         // 1. The camera ray.
         let (first, [x, y]) = (numbers(PIXEL), [x, y].map(f64::from));
         let (on_film, on_lens) = ([x + first(0), y + first(1)], [first(LENS), first(LENS + 1)]);
@@ -137,10 +137,10 @@ impl Reference {
             let number = |dimension| if dimension == LOBE { rest } else { numbers(dimension) };
             let (d, normals) = (direction, &normals);
             let event = lobes::Event { d, normals, number: &number, given: None, extras };
-            let leave = |is_delta, side| leaving_point(&surface, normals.ng, is_delta, side);
+            let leave = |is_delta, side| leaving_point(&surface, kind, normals.ng, is_delta, side);
             if !self.lights.is_empty() {
                 let value = |w| values::value(kind, roughness, color, event, w);
-                let from = |side| leave(lobes::is_glass(kind), side);
+                let from = |side| leave(false, side);
                 let light = throughput * self.direct_light(kind, normals.ng, from, value);
                 radiance += light;
                 let vertex = &mut vertices[b as usize];
@@ -156,7 +156,7 @@ impl Reference {
             cone_angle = (cone_angle + bend * length + spread).clamp(-1.0, 1.0);
             direction = scattered.normalize();
             vertices[b as usize].lobe = Some(lobe(is_delta, direction.dot(normals.ns_diffuse)));
-            origin = leave(is_delta || lobes::is_glass(kind), 1.0_f64.copysign(direction.dot(normals.ng)));
+            origin = leave(is_delta, 1.0_f64.copysign(direction.dot(normals.ng)));
         }
         vertices
     }
@@ -274,10 +274,15 @@ impl Reference {
     }
 }
 
-/// Returns the function from dimensions to the numbers of a sample, in [0, 1), for the event that begins at
-/// dimension `first`.
-fn numbers(settings: PathSettings, [x, y]: [u32; 2], sample: u32, first: u32) -> impl Fn(u32) -> f64 {
-    let key = settings.sampler.key::<u32>(settings.seed, y * settings.resolution[0] + x, sample);
+/// Returns the function from dimensions to the numbers of a sample with this key, in [0, 1), for the event
+/// that begins at dimension `first`.
+fn numbers(
+    settings: PathSettings,
+    key: u32,
+    [x, y]: [u32; 2],
+    sample: u32,
+    first: u32,
+) -> impl Fn(u32) -> f64 {
     let numbers = SampleValues::new(settings.sampler, settings.seed, sample, first);
     move |dimension| {
         let numbers = match first < bounce(1) {
@@ -290,7 +295,8 @@ fn numbers(settings: PathSettings, [x, y]: [u32; 2], sample: u32, first: u32) ->
 
 /// Returns the origin of a ray that leaves a surface on a side of its normal; a ray by a delta lobe, or at
 /// glass, leaves the flat triangle.
-fn leaving_point(surface: &Surface, ng: DVec3, is_flat: bool, side: f64) -> DVec3 {
+fn leaving_point(surface: &Surface, kind: MaterialKind, ng: DVec3, is_delta: bool, side: f64) -> DVec3 {
+    let is_flat = is_delta || lobes::is_glass(kind);
     let bulge = if is_flat { DVec3::ZERO } else { surface.bulge[usize::from(ng != surface.ng)] };
     surface.point + bulge + ng * (side * ORIGIN_OFFSET * surface.scale)
 }

@@ -99,11 +99,16 @@ fn in_the_world(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     (point - camera.position).normalize()
 }
 
-/// Computes the direction relative to the camera's position, every step in f32.
-fn in_single(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
+/// Computes the point of the picture at the distance 1, relative to the camera's position.
+fn on_plane(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
     let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
     let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
-    (forward + right * (across * half_width) + up * (upwards * half_height)).normalize()
+    forward + right * (across * half_width) + up * (upwards * half_height)
+}
+
+/// Computes the direction relative to the camera's position, every step in f32.
+fn in_single(camera: &Camera, x: f32, y: f32) -> glam::Vec3 {
+    on_plane(camera, x, y).normalize()
 }
 
 fn views(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, view: View) {
@@ -145,10 +150,7 @@ fn by_the_inverse(camera: &Camera, [x, y, u, v]: [f32; 4]) -> Ray<f32> {
 /// Aims at the point where rays meet, as Ray Tracing in One Weekend does.
 fn to_the_point(camera: &Camera, [x, y, u, v]: [f32; 4]) -> Ray<f32> {
     let origin = by_the_inverse(camera, [x, y, u, v]).origin;
-    let ([width, height], [forward, right, up], [half_width, half_height]) = frame(camera);
-    let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
-    let on_plane = forward + right * (across * half_width) + up * (upwards * half_height);
-    let point = camera.position + on_plane * camera.focus() as f32;
+    let point = camera.position + on_plane(camera, x, y) * camera.focus() as f32;
     Ray { origin, direction: Vec3::splat((point - origin.get(0)).normalize()) }
 }
 

@@ -7,6 +7,7 @@ use crate::buffers::Features;
 use crate::lights::{LightChoice, Lights};
 use crate::math;
 use crate::primitives::LightSample;
+use crate::reference::lights::{angle, falloff};
 use crate::scene::{LightShape, Scene};
 use glam::Vec3;
 
@@ -72,10 +73,6 @@ fn spot(rng: &mut Rng, degrees: f64, counts: &mut FailureCounts, share: SpotShar
     let (sin, cos) = (degrees.to_radians() * 1.1 * rng.unit()).sin_cos();
     let beside = axis.cross(rng.direction()).normalize();
     let to = ((axis * cos + beside * sin) * rng.scale(1e-3, 1e3)).as_vec3();
-    // cos a − cos b = 2 sin((b + a) / 2) sin((b − a) / 2).
-    let angle = axis.cross(to.as_dvec3()).length().atan2(axis.dot(to.as_dvec3()));
-    let [inner, outer] = cones.map(|angle| f64::from(angle).to_radians());
-    let apart = |a: f64, b: f64| ((b + a) / 2.0).sin() * ((b - a) / 2.0).sin();
-    let expected = (apart(angle, outer) / apart(inner, outer)).clamp(0.0, 1.0).powi(2);
+    let expected = falloff(angle(axis, to.as_dvec3()), cones[0], cones[1]);
     counts.record_error((f64::from(share(direction, to, cones)) - expected).abs());
 }

@@ -131,6 +131,15 @@ fn converted_lights_keep_their_bits() {
         .iter()
         .any(|warning| warning.contains("nodes[2]: a light is left out: the type `area`"));
     assert!(scene.lights.len() == 1 && warned, "{:?}", scene.warnings);
+    for (known, faulty, words) in [
+        (r#""range": 8"#, r#""range": -8"#, "nodes[1]: a light is left out: its `range` -8 is not above 0"),
+        (r#""color": [1, "#, r#""color": [-1, "#, "its `color` [-1.0, 0.5, 0.0] times its `intensity` 543"),
+        (r#"Angle": 0.25"#, r#"Angle": 0.75"#, "`innerConeAngle` (42.97"),
+    ] {
+        folder.write("m.gltf", model(BLENDER).replace(known, faulty));
+        let warnings = load(&folder.name("m.gltf")).unwrap().warnings.concat();
+        assert!(warnings.contains(words), "{warnings}");
+    }
 }
 
 #[test]

@@ -133,6 +133,33 @@ fn orthographic_cameras_show_twice_their_magnification() {
 }
 
 #[test]
+fn impossible_numbers_of_cameras_and_rotations_are_named() {
+    let orthographic = |x: f64, y: f64| json!({ "orthographic": { "xmag": x, "ymag": y } });
+    for (camera, words) in [
+        (
+            json!({ "perspective": { "yfov": 0 } }),
+            "cameras[0] has a `yfov` of 0, not above 0 and below π: the",
+        ),
+        (json!({ "perspective": { "yfov": 4 } }), "cameras[0] has a `yfov` of 4, not"),
+        (json!({ "perspective": { "yfov": 1, "aspectRatio": 0 } }), "the aspect ratio 0 is not within 1/64"),
+        (
+            orthographic(0.0, 2.0),
+            "cameras[0] has an `xmag` of 0 and a `ymag` of 2, not above 0: the model is",
+        ),
+        (orthographic(-1.0, 2.0), "cameras[0]: `xmag` -1 and `ymag` 2 are used without their signs."),
+    ] {
+        let scene = read(&model(|json| {
+            json["cameras"] = json!([camera]);
+            json["nodes"] = json!([{ "mesh": 0 }, { "camera": 0, "translation": [0, 0, 7] }]);
+            json["scenes"][0]["nodes"] = json!([0, 1]);
+        }));
+        assert!(scene.warnings[0].contains(words), "{:?}", scene.warnings);
+    }
+    let scene = read(&model(|json| json["nodes"][0]["rotation"] = json!([0, 0, 0, 0])));
+    assert!(scene.warnings[0].contains("nodes[0]: a rotation has length 0.000 and"), "{:?}", scene.warnings);
+}
+
+#[test]
 fn normals_stay_upright_where_nodes_stretch() {
     let mut binary = square();
     let normals = [[0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.0, -0.6, 0.8], [-0.6, 0.0, 0.8]];

@@ -300,6 +300,7 @@ fn what_of_textures_is_left_out_is_said_with_its_place() {
         assert!(found, "{place}, {what}: {warnings:#?}");
     };
     warned(&|json| json["samplers"][0]["wrapT"] = json!(5), "samplers[0]", "there is no wrap 5");
+    warned(&|json| json["samplers"][0]["magFilter"] = json!(5), "samplers[0]", "there is no `magFilter` 5");
     let unmapped = |json: &mut Value| {
         json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0");
     };
@@ -384,4 +385,42 @@ fn alpha_modes_are_opacities_that_convert_keeps() {
     for (number, (keys, factor, alphas, wanted)) in cases.into_iter().enumerate() {
         assert_eq!(of(keys, factor, alphas), wanted, "case {number}");
     }
+}
+
+#[test]
+fn numbers_outside_their_ranges_are_said_with_what_is_used_instead() {
+    let extension = |name: &str, key: &str| format!("extensions.KHR_materials_{name}.{key}");
+    for (path, value, words) in [
+        (extension("ior", "ior"), json!(0.5), "0.5 is outside 1 to 1000000: 1 is used"),
+        (
+            extension("emissive_strength", "emissiveStrength"),
+            json!(-1),
+            "-1 is outside 0 to 1000000000: 0 is",
+        ),
+        (extension("transmission", "transmissionFactor"), json!(2), "2 is outside 0 to 1: 1 is used"),
+        (
+            extension("volume", "attenuationDistance"),
+            json!(0),
+            "0 is not above 0: the volume absorbs no light",
+        ),
+        (extension("specular", "specularColorFactor"), json!([1, -2, 1]), "-2 is outside"),
+        (extension("clearcoat", "clearcoatFactor"), json!(1.5), "1.5 is outside 0 to 1: 1 is used"),
+        ("pbrMetallicRoughness.roughnessFactor".into(), json!(3), "3 is outside 0 to 1: 1 is used"),
+        ("alphaCutoff".into(), json!(-1), "-1 is outside"),
+        (
+            "alphaMode".into(),
+            json!("blend"),
+            "`blend` is none of OPAQUE, MASK, BLEND: the material is opaque",
+        ),
+    ] {
+        let (_, scene) = material(|json| {
+            let place = path.split('.').fold(json, |at, key| &mut at[key]);
+            *place = value;
+        });
+        let warning = scene.warnings.concat();
+        assert!(warning.contains(&format!("materials[0].{path}: {words}")), "{path}: {warning}");
+        assert_eq!(scene.warnings.len(), 1, "{warning}");
+    }
+    let (mirror, scene) = material(|json| json["extensions"]["KHR_materials_ior"] = json!({ "ior": 0 }));
+    assert!(matches!(mirror.kind, MaterialKind::MetalRough { ior: 1e6, .. }) && scene.warnings.is_empty());
 }

@@ -73,11 +73,12 @@ fn shape(
     let place = placement.point(transform.w_axis.truncate());
     let direction =
         (placement.rotation * (transform * DVec4::NEG_Z).truncate()).normalize_or_zero().as_vec3();
-    let brightness = DVec3::from(file.color.unwrap_or([1.0; 3])) * (file.intensity.unwrap_or(1.0) * factor);
+    let (color, power) = (file.color.unwrap_or([1.0; 3]), file.intensity.unwrap_or(1.0));
+    let brightness = DVec3::from(color) * (power * factor);
     let intensity = brightness * (placement.scale * placement.scale);
     let numbers = brightness.to_array().into_iter().chain(intensity.to_array());
     if !numbers.into_iter().all(|number| number >= 0.0 && is_within_bounds(number)) {
-        return Err("its brightness is negative or too large".into());
+        return Err(format!("its `color` {color:?} times its `intensity` {power} is negative or too large"));
     }
     let is_directional = file.kind == "directional";
     if file.kind != "point" && direction == glam::Vec3::ZERO {
@@ -86,10 +87,11 @@ fn shape(
     if !is_directional && !is_near(place) {
         return Err("it is too far away".into());
     }
-    let range = file.range.unwrap_or(f64::INFINITY) * placement.scale;
-    if range.is_nan() || range <= 0.0 {
-        return Err("its range is not above 0".into());
+    // A directional light has no range.
+    if let Some(range) = file.range.filter(|&range| range <= 0.0 && !is_directional) {
+        return Err(format!("its `range` {range} is not above 0"));
     }
+    let range = file.range.unwrap_or(f64::INFINITY) * placement.scale;
     let (position, intensity, range) = (place.as_vec3(), intensity.as_vec3(), range as f32);
     match file.kind.as_str() {
         "point" => Ok(LightShape::Point { position, intensity, range }),
@@ -103,7 +105,9 @@ fn shape(
             // Radians are rounded.
             let (outer, inner) = (outer.min(if outer < 90.001 { 90.0 } else { outer }), inner);
             if !(0.01..=90.0).contains(&outer) || !(0.0..=outer * 1.000_001).contains(&inner) {
-                return Err(format!("its cones of {inner}° and {outer}° cannot be"));
+                let what = "is not from 0 up to `outerConeAngle`";
+                let most = "at least 0.01° and at most π/2 (90°)";
+                return Err(format!("`innerConeAngle` ({inner}°) {what} ({outer}°), or this is not {most}"));
             }
             let [outer_degrees, inner_degrees] = [outer, inner.min(outer)].map(|degrees| degrees as f32);
             Ok(LightShape::Spot { position, direction, intensity, range, inner_degrees, outer_degrees })

@@ -20,6 +20,7 @@ use super::super::error::SceneError;
 use super::super::json::JsonPath;
 use super::super::notes::Notes;
 use super::bytes::Document;
+use super::ranges::within_ranges;
 use super::schema::{Material as MaterialFile, Primitive, Root, TextureInfo, TextureTransform};
 use super::texture::{self, Range};
 use glam::Vec3;
@@ -124,9 +125,9 @@ impl<'a> Materials<'a> {
         let [clear, ..] = ranges(&extension.transmission_texture).unwrap_or([[1.0; 3]; 3]);
         let volume = &file.extensions.volume;
         let [_, thick, _] = ranges(&volume.thickness_texture).unwrap_or([[1.0; 3]; 3]);
-        let metal = metal.map(|texel| texel * f64::from(fraction(pbr.metallic_factor)));
+        let metal = metal.map(|texel| texel * pbr.metallic_factor.unwrap_or(1.0));
         let is_volume = thick[2] * volume.thickness_factor > 0.0;
-        let share = (extension.transmission_factor * clear[1]).min(1.0);
+        let share = extension.transmission_factor * clear[1];
         // The colour of glass that fills its mesh is the root of the base colour, which no texture here can
         // be, and its roughness map has another channel.
         let varies_glass = (is_volume && pbr.base_color_texture.is_some())
@@ -146,6 +147,7 @@ impl<'a> Materials<'a> {
         let list = self.document.source.root();
         let list = list.key("materials");
         let place = list.item(index);
+        let file = &within_ranges(file, &place, &mut builder.notes);
         let name = file.name.0.clone().unwrap_or_else(|| format!("material {index}"));
         let transmission = self.transmission(file, &place, builder);
         let mut material = plain(file, name, &transmission);
@@ -196,7 +198,7 @@ impl<'a> Materials<'a> {
             texture::load(self.document, info.index.0, TexelKind::Alpha, None, &place, builder)
         };
         let map = pbr.base_color_texture.as_ref().and_then(load);
-        let (map, factor) = (builder.opacity_map(map, known), fraction(pbr.base_color_factor.map(|c| c[3])));
+        let (map, factor) = (builder.opacity_map(map, known), factor(pbr.base_color_factor.map(|c| c[3])));
         let cutoff =
             (file.alpha_mode.as_deref() == Some("MASK")).then(|| file.alpha_cutoff.unwrap_or(0.5) as f32);
         (material.opacity, material.opacity_map, material.alpha_cutoff) = match (map, cutoff) {
@@ -216,25 +218,20 @@ impl MaterialFile {
     }
 }
 
-/// Returns a factor within 0 and 1; 1 where it is missing.
-fn fraction(factor: Option<f64>) -> f32 {
-    factor.unwrap_or(1.0).clamp(0.0, 1.0) as f32
+/// Returns a factor; 1 where it is missing.
+fn factor(factor: Option<f64>) -> f32 {
+    factor.unwrap_or(1.0) as f32
 }
 
-/// Returns the material without its textures.
+/// Returns the material, whose numbers are within their ranges, without its textures.
 fn plain(file: &MaterialFile, name: String, transmission: &Transmission) -> Material {
     let (pbr, extensions) = (&file.pbr_metallic_roughness, &file.extensions);
-    let [r, g, b, _] = pbr.base_color_factor.unwrap_or([1.0; 4]).map(|x| fraction(Some(x)));
+    let [r, g, b, _] = pbr.base_color_factor.unwrap_or([1.0; 4]).map(|x| x as f32);
     let color = Vec3::new(r, g, b);
-    let strength = extensions.emissive_strength.emissive_strength.unwrap_or(1.0).clamp(0.0, 1e9) as f32;
-    let factor = file.emissive_factor.unwrap_or_default().map(|x| x.clamp(0.0, 1e9) as f32);
-    let emitted = Vec3::from_array(factor) * strength;
-    // An `ior` of 0 stands for a dielectric that reflects everything.
-    let ior = match extensions.ior.ior.unwrap_or(1.5) {
-        0.0 => 1e6,
-        ior => ior.clamp(1.0, 1e6),
-    } as f32;
-    let [roughness, metallic] = [pbr.roughness_factor, pbr.metallic_factor].map(fraction);
+    let strength = factor(extensions.emissive_strength.emissive_strength);
+    let emitted = Vec3::from_array(file.emissive_factor.unwrap_or_default().map(|x| x as f32)) * strength;
+    let ior = extensions.ior.ior.unwrap_or(1.5) as f32;
+    let [roughness, metallic] = [pbr.roughness_factor, pbr.metallic_factor].map(factor);
     let thin = !transmission.is_volume;
     let glass_color = if thin { color } else { color.map(f32::sqrt) };
     let mut extras = MaterialExtras::default();
@@ -262,12 +259,12 @@ fn plain(file: &MaterialFile, name: String, transmission: &Transmission) -> Mate
 /// Returns the reflectance and the clear coat.
 fn layers(file: &MaterialFile) -> MaterialExtras {
     let (specular, coat) = (&file.extensions.specular, &file.extensions.clearcoat);
-    let color = specular.specular_color_factor.unwrap_or([1.0; 3]).map(|x| x.clamp(0.0, 1e9) as f32);
+    let color = specular.specular_color_factor.unwrap_or([1.0; 3]).map(|x| x as f32);
     MaterialExtras {
-        specular: fraction(specular.specular_factor),
+        specular: factor(specular.specular_factor),
         specular_color: Vec3::from_array(color),
-        clearcoat: fraction(Some(coat.clearcoat_factor)),
-        clearcoat_roughness: fraction(Some(coat.clearcoat_roughness_factor)),
+        clearcoat: coat.clearcoat_factor as f32,
+        clearcoat_roughness: coat.clearcoat_roughness_factor as f32,
         ..MaterialExtras::default()
     }
 }
@@ -276,7 +273,7 @@ fn layers(file: &MaterialFile) -> MaterialExtras {
 fn attenuation(file: &MaterialFile) -> Option<Attenuation> {
     let volume = &file.extensions.volume;
     let distance = volume.attenuation_distance.filter(|&x| (1e-18..=1e18).contains(&x))? as f32;
-    let color = volume.attenuation_color.unwrap_or([1.0; 3]).map(|x| fraction(Some(x)));
+    let color = volume.attenuation_color.unwrap_or([1.0; 3]).map(|x| x as f32);
     (color != [1.0; 3]).then_some(Attenuation { color: Vec3::from_array(color), distance })
 }
 

@@ -14,6 +14,7 @@ mod geometry;
 mod light;
 mod material;
 mod nodes;
+mod ranges;
 mod schema;
 mod texture;
 
@@ -35,6 +36,7 @@ use octray_engine::scene::{Camera, MaterialKind, Projection, VERTICAL_FOV};
 use schema::{Orthographic, Perspective, Root};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// A glTF file whose geometry [`Gltf::add`] checks.
@@ -218,20 +220,31 @@ impl Gltf {
         let (lower, upper) = builder.scene.bounds();
         let coordinates = builder.scene.coordinates;
         let position = coordinates.to_scene(placement.point(transform.w_axis.truncate()));
-        let mut framed = |why: &str| {
+        let framed = |builder: &mut SceneBuilder, why: &str| {
             builder.warn(format!("{}: cameras[{index}] {why}: the model is framed instead.", path.display()));
             Ok(None)
         };
         let (vertical_fov, projection, named) = match (&camera.perspective, &camera.orthographic) {
+            (Some(Perspective { yfov, .. }), _) if !(0.0..PI).contains(yfov) || *yfov == 0.0 => {
+                return framed(builder, &format!("has a `yfov` of {yfov}, not above 0 and below π"));
+            }
             (Some(Perspective { yfov, aspect_ratio }), _) => {
                 (yfov.to_degrees() as f32, Projection::default(), *aspect_ratio)
             }
+            (None, Some(Orthographic { xmag, ymag })) if xmag * ymag == 0.0 => {
+                let why = format!("has an `xmag` of {xmag} and a `ymag` of {ymag}, not above 0");
+                return framed(builder, &why);
+            }
             // The sign of a magnification mirrors the picture, which nobody wants.
             (None, Some(Orthographic { xmag, ymag })) => {
+                if xmag.min(*ymag) < 0.0 {
+                    let what = format!("`xmag` {xmag} and `ymag` {ymag} are used without their signs");
+                    builder.warn(format!("{}: cameras[{index}]: {what}.", path.display()));
+                }
                 let height = (2.0 * ymag.abs() * placement.scale / coordinates.unit) as f32;
                 (VERTICAL_FOV, Projection::Orthographic { height }, Some((xmag / ymag).abs()))
             }
-            (None, None) => return framed("is neither perspective nor orthographic"),
+            (None, None) => return framed(builder, "is neither perspective nor orthographic"),
         };
         let rotated = |axis: DVec4| placement.rotation * (transform * axis).truncate();
         let [forward, up] = [DVec4::NEG_Z, DVec4::Y].map(rotated);
@@ -246,12 +259,12 @@ impl Gltf {
         };
         let mut points = [camera.position, camera.look_at].into_iter();
         if camera.fault().is_some() || !points.all(|point| is_near(point.into())) {
-            return framed("cannot be used");
+            return framed(builder, "cannot be used");
         }
         let aspect = named.filter(|aspect| (1.0 / 64.0..=64.0).contains(aspect));
         if let Some(other) = named.xor(aspect) {
-            builder
-                .warn(format!("{}: cameras[{index}]: the aspect ratio {other} is left out.", path.display()));
+            let what = format!("the aspect ratio {other} is not within 1/64 and 64, and left out");
+            builder.warn(format!("{}: cameras[{index}]: {what}.", path.display()));
         }
         Ok(Some((camera, aspect)))
     }

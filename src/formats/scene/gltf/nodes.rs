@@ -101,6 +101,13 @@ pub fn note_ignored(document: &Document, placed: &Placed, notes: &mut Notes) {
     for index in 0..root.animations.len() {
         notes.add(&place.key("animations").item(index), "animations are not played");
     }
+    let length = |rotation: [f64; 4]| rotation.map(|x| x * x).iter().sum::<f64>().sqrt();
+    let turned = root.nodes.iter().filter_map(|(index, node)| Some((index, length(node.rotation?))));
+    for (index, length) in turned.filter(|(_, length)| (length - 1.0).abs() > 0.01) {
+        let used = if length > 0.0 { "it is scaled to length 1" } else { "the node is not turned" };
+        let what = format!("a rotation has length {length:.3} and not 1: {used}");
+        notes.add(&place.key("nodes").item(index), what);
+    }
     for &node in &placed.skinned {
         let what = "skins are not read: the mesh is shown as it is without bones";
         notes.add(&place.key("nodes").item(node).key("skin"), what);

@@ -10,6 +10,7 @@ use serde_json::{Number, Value};
 use std::collections::HashMap;
 
 /// A value; `None` if it is missing or does not follow the schema, which is no fault until it is used.
+#[derive(Clone)]
 pub struct Lenient<T>(pub Option<T>);
 
 impl<T> Default for Lenient<T> {
@@ -60,7 +61,7 @@ impl<'de> Deserialize<'de> for Whole {
 /// Defines objects with these keys, which have camel case in the file.
 macro_rules! objects {
     ($($(#[$meta:meta])* $name:ident { $($(#[$key_meta:meta])* $key:ident: $type:ty),* $(,)? })*) => { $(
-        #[derive(Deserialize)]
+        #[derive(Clone, Deserialize)]
         #[serde(rename_all = "camelCase", expecting = "an object")]
         $(#[$meta])*
         pub struct $name { $($(#[$key_meta])* pub $key: $type),* }
@@ -135,7 +136,7 @@ optional! {
 }
 
 objects! {
-    #[derive(Clone, Copy, Default, PartialEq)] #[serde(default)]
+    #[derive(Copy, Default, PartialEq)] #[serde(default)]
     TextureTransform {
         offset: [f64; 2],
         // In radians.

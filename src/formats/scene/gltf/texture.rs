@@ -107,26 +107,29 @@ pub fn load(
     loaded.ok()
 }
 
-/// Returns the lookup of a texture's sampler, and notes a wrap that there is not.
+/// Returns the lookup of a texture's sampler, and notes a wrap and a filter that do not exist.
 fn lookup(document: &Document, texture: &Texture, kind: TexelKind, notes: &mut Notes) -> Lookup {
-    const NEAREST: usize = 9728;
     let sampler = texture.sampler.and_then(|index| Some((index.0, document.root.samplers.get(index.0)?)));
     let Some((index, sampler)) = sampler else {
         return Lookup::repeating(Filter::Bilinear, kind);
     };
+    let mut note = |what| notes.add(&document.source.root().key("samplers").item(index), what);
     let wrap = [sampler.wrap_s, sampler.wrap_t].map(|wrap| match wrap.map_or(10497, |Whole(code)| code) {
         10497 => Wrap::Repeat,
         33071 => Wrap::Clamp,
         33648 => Wrap::Mirror,
         code => {
-            let what = format!("there is no wrap {code}: textures repeat");
-            notes.add(&document.source.root().key("samplers").item(index), what);
+            note(format!("there is no wrap {code}: textures repeat"));
             Wrap::Repeat
         }
     });
-    let filter = match sampler.mag_filter {
-        Some(Whole(NEAREST)) => Filter::Nearest,
-        _ => Filter::Bilinear,
+    let filter = match sampler.mag_filter.map_or(9729, |Whole(code)| code) {
+        9728 => Filter::Nearest,
+        9729 => Filter::Bilinear,
+        code => {
+            note(format!("there is no `magFilter` {code}: it is linear"));
+            Filter::Bilinear
+        }
     };
     Lookup { filter, wrap, kind }
 }

@@ -247,7 +247,7 @@ fn shard(text: &str) -> Result<Shard, &'static str> {
 
 /// Returns the file of a frame: the last `#`, or row of them, of the file's name becomes the frame's number,
 /// with zeros to as many digits as there are `#`. `None` without a `#`.
-fn numbered(path: &Path, frame: u32) -> Option<PathBuf> {
+pub fn numbered(path: &Path, frame: u32) -> Option<PathBuf> {
     let name = path.file_name()?.to_str()?;
     let end = name.rfind('#')? + 1;
     let start = name[..end].trim_end_matches('#').len();

@@ -2,7 +2,7 @@
 
 use super::checkpoint::CheckpointWriter;
 use super::error::{CliError, INTERRUPTED, refuse};
-use super::jobs::{Job, RenderOptions, jobs, keep_files, refuse_shard};
+use super::jobs::{Job, RenderOptions, jobs, keep_files, numbered, refuse_shard};
 use super::limits::Limits;
 use super::outputs::is_same;
 use super::progress::Progress;
@@ -84,10 +84,21 @@ pub fn run(options: RenderOptions) -> Result<ExitCode, CliError> {
 /// Returns the camera of each job: the scene's, or that of its frame. All are checked before the first is
 /// rendered.
 fn cameras(options: &RenderOptions, jobs: &[Job], scene: &Loaded) -> Result<Vec<Camera>, CliError> {
-    let Some(frames) = options.frames.clone() else { return Ok(vec![scene.camera]) };
-    let refuse = |why: String| refuse("--frames", format!("{}..{}", frames.start(), frames.end()), why);
     let path = scene.view.as_ref().map(|view| &view.path);
-    let Some((path, [begin, end])) = path.and_then(|path| Some((path, path.frames()?))) else {
+    let keyed = path.and_then(|path| Some((path, path.frames()?)));
+    let Some(frames) = options.frames.clone() else {
+        if let Some((_, [begin, end])) = keyed {
+            let (output, add) = (&options.output, format!("--frames {begin}..{end}"));
+            if numbered(output, begin).is_some() {
+                let instead = format!("# is the number of a frame: add {add}, or give a name without #");
+                return Err(refuse("--output", output.display(), instead));
+            }
+            terminal::note(&format!("the view's own camera is used: add {add} to render its keyframes"));
+        }
+        return Ok(vec![scene.camera]);
+    };
+    let refuse = |why: String| refuse("--frames", format!("{}..{}", frames.start(), frames.end()), why);
+    let Some((path, [begin, end])) = keyed else {
         let why = format!("`{}` has no keyframes: add `keyframes` to a view of the scene", scene.name);
         return Err(refuse(why));
     };

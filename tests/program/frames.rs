@@ -39,6 +39,8 @@ fn frames_follow_the_keyframes_in_any_shard() {
         desk.run(&format!("render path.json -o b-###.exr --frames 10..14 {shard} --checkpoint c-#"));
     }
     desk.run("render path.json -o single-#.exr --frames 11");
+    let said = desk.octray("render path.json -o still.exr").assert().success();
+    assert!(String::from_utf8_lossy(&said.get_output().stderr).contains("add --frames 10..20 to render its"));
     for frame in 10..=14 {
         assert!(pixels(&format!("a-{frame:03}.exr")) == pixels(&format!("b-{frame:03}.exr")), "{frame}");
     }
@@ -56,6 +58,7 @@ fn frames_that_cannot_be_are_refused_before_the_first() {
         ("-o a-#.png --frames 0..2", ["frame 1", "look_at"]),
         ("-o a.png --frames 0..2", ["--output a.png", "shot-####.png"]),
         ("-o a-#.png --frames 0..2 --shard 1/4", ["--shard 1/4", "3 frames"]),
+        ("-o a-#.png", ["--output a-#.png", "add --frames 0..2, or"]),
     ] {
         desk.refuses(&format!("render path.json {arguments}"), &words);
     }

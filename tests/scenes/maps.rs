@@ -165,7 +165,11 @@ fn wraps_of_scene_files_are_for_both_directions_or_for_each() {
         assert_eq!(with(key, textured).unwrap().textures[0].wrap, wrap);
     }
     for (key, texture, words) in [
-        (r#""mirrored""#, textured, "\"clamp\""),
+        (
+            r#""mirrored""#,
+            textured,
+            r#"as in "wrap": "clamp", "mirror" or "repeat", or ["clamp", "repeat"] for"#,
+        ),
         (r#"["clamp"]"#, textured, "\"clamp\""),
         (r#""clamp""#, "", "`wrap` without a `texture`"),
     ] {

@@ -61,7 +61,7 @@ pub fn example(key: &str) -> Option<&'static str> {
         "light_units" => "\"radiometric\"",
         "texture" | "roughness_map" | "normal_map" | "emission_map" | "opacity_map" => "\"picture.png\"",
         "filter" => "\"bilinear\"",
-        "wrap" => "\"clamp\"",
+        "wrap" => "\"clamp\", \"mirror\" or \"repeat\", or [\"clamp\", \"repeat\"] for u and v",
         "smooth" => "30",
         "picture_from" => "\"inside\"",
         "scene" => "\"scene.json\"",

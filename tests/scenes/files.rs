@@ -154,6 +154,9 @@ fn rough_glass_and_extras_are_read_and_refused() {
         extras,
         MaterialExtras { clearcoat: 0.5, specular: 0.0, transmission: 1.0, thin: true, ..plain }
     );
+    let warnings = |keys: &str| with(&format!(r#"{metal}, "transmission": 1{keys}"#)).unwrap().warnings;
+    assert!(warnings("")[0].contains("materials.m.transmission: metal lets no light through"));
+    assert!(warnings(r#", "metallic": 0.9"#).is_empty());
     for (text, key, what) in [
         (r#""type": "diffuse", "clearcoat": 1"#.to_string(), "clearcoat", "make the type `metal-rough`"),
         (format!(r#"{metal}, "thin": true"#), "thin", "lets no light through"),

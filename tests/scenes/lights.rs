@@ -111,6 +111,9 @@ fn lights_and_camera_come_along_unless_the_scene_says_otherwise() {
     let without = named(&folder, r#", "lights": false, "camera": false"#);
     assert!(without.lights.is_empty() && without.sky == Sky::Color(Vec3::ONE));
     assert_ne!(without.camera.vertical_fov, scene.camera.vertical_fov);
+    let keys = r#""meshes": [ { "model": "m.gltf", "lights": false, "light_units": "blender" } ]"#;
+    let error = folder.load_keys(keys).unwrap_err().to_string();
+    assert!(error.contains("meshes[0].light_units") && error.contains("remove `lights`"), "{error}");
     let own = r#""camera": { "vertical_fov": 33 }, "meshes": [ { "model": "m.gltf" } ]"#;
     assert_eq!(folder.load_keys(own).unwrap().camera.vertical_fov, 33.0);
 }

@@ -79,6 +79,11 @@ pub fn material(
         alpha_cutoff,
         ..Material::new(name, kind, color)
     };
+    let is_metal = matches!(kind, MaterialKind::MetalRough { metallic: 1.0, .. });
+    if is_metal && material.roughness_map.is_none() && material.extras.transmission > 0.0 {
+        let what = "metal lets no light through: write a `metallic` below 1, such as 0, or remove this";
+        builder.notes.add(&place.key("transmission"), what);
+    }
     let texture_size = match file.texture_size {
         Some(size) if size < MIN_TEXTURE_SIZE => {
             let mend = "write how many scene units one repeat of the texture covers, above 0";

@@ -270,7 +270,12 @@ impl<'a> Loader<'a> {
         model: &Model,
         path: &Path,
         placement: &Placement,
+        place: &JsonPath,
     ) -> Result<(), SceneError> {
+        if file.lights == Some(false) && file.light_units.is_some() {
+            let what = "`light_units` of lights that are left out";
+            return Err(place.key("light_units").error(what, "remove it, or remove `lights`"));
+        }
         if file.lights != Some(false) {
             let units = file.light_units.map(|units| match units {
                 LightUnitsFile::Radiometric => LightUnits::Radiometric,
@@ -329,7 +334,7 @@ impl<'a> Loader<'a> {
         let added = model.add(&path, &mut self.builder, material, &placement);
         file.smooth.into_iter().for_each(|degrees| self.builder.smooth(degrees));
         if added.is_ok() {
-            self.take_along(file, &model, &path, &placement)?;
+            self.take_along(file, &model, &path, &placement, place)?;
         }
         let uses = self.uses[name.as_str()];
         if uses > 1 && !is_copy {

@@ -178,7 +178,9 @@ impl Mesh {
                 (origin, minus(target, origin))
             }
         };
-        let length = [1.0, 1.0, 1e-3, 1e5][rng.index(4)];
+        let unit = 1.0 / direction.map(|x| x * x).iter().sum::<f64>().sqrt();
+        let unit = if unit.is_finite() { unit } else { 1.0 };
+        let length = [1.0, unit, unit * (1.0 + 3e-7), 1e-3, 1e5][rng.index(5)];
         let direction = direction.map(|x| x * length);
         let end = |rng: &mut Rng| [0.0, 1.0, 2.0, 1.0 / length, 2.0 / length, 0.5][rng.index(6)];
         let range = match rng.index(3) {

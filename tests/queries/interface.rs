@@ -2,7 +2,9 @@
 
 use crate::cases::{Rng, cube};
 use crate::rational::Point;
-use octray_rays::query::{AllHits, Error, HitColumns, Intersector, MISS, Precision, Rays, Surfaces, Threads};
+use octray_rays::query::{
+    AllHits, Error, HitColumns, HitsMut, Intersector, MISS, Precision, Rays, Surfaces, Threads,
+};
 use octray_rays::{Geometry, Hits, Structure, Tracer};
 use std::slice::from_ref;
 
@@ -130,6 +132,99 @@ fn slices_of_any_form_and_any_threads_give_the_same() {
         let alone = intersector.clone().with_threads(Threads::Caller);
         assert_eq!(all(&alone, &columns), expected);
         assert_eq!(alone.contains(&origins), intersector.contains(&wide(&origins)));
+    }
+}
+
+#[test]
+fn parts_of_answers_are_those_of_the_whole() {
+    let mut rng = Rng(5);
+    let mesh = crowd(&mut rng, 100);
+    let [origins, directions] = rays_to_crowd(&mut rng);
+    let [t_min, t_max] = [0.25, 2.0].map(|end| vec![end; origins.len()]);
+    for precision in BOTH {
+        let intersector = built(from_ref(&mesh), precision);
+        let rays = Rays::new(&origins, &directions);
+        let ends = rays.after(&t_min).until(&t_max);
+        let same = rays.after(0.25).until(2.0);
+        assert_eq!(intersector.all_hits(&same), intersector.all_hits(&ends));
+        let all = intersector.all_hits(&rays).unwrap();
+        let of_ray = |hits: &AllHits, ray: usize| {
+            hits.hits.primitive[hits.offsets[ray]..hits.offsets[ray + 1]].to_vec()
+        };
+        for most in 0..4 {
+            let first = intersector.first_hits(&rays, most).unwrap();
+            for ray in 0..rays.len() {
+                let whole = of_ray(&all, ray);
+                assert_eq!(of_ray(&first, ray), whole[..most.min(whole.len())], "{most} of ray {ray}");
+            }
+        }
+        let counts = intersector.count(&rays).unwrap();
+        let closest = intersector.closest(&rays).unwrap();
+        for (ray, count) in counts.into_iter().enumerate() {
+            let whole = of_ray(&all, ray);
+            assert_eq!(count as usize, whole.len());
+            assert_eq!(closest.primitive[ray], whole.first().copied().unwrap_or(MISS));
+        }
+        let (mut primitive, mut v) = (vec![7; rays.len()], vec![7.0; rays.len()]);
+        let hits = HitsMut { primitive: &mut primitive, v: &mut v, ..HitsMut::default() };
+        intersector.closest_to(&rays, hits).unwrap();
+        assert_eq!((primitive, v), (closest.primitive, closest.v));
+        let short = HitsMut { t: &mut [0.0], ..HitsMut::default() };
+        assert!(matches!(
+            intersector.closest_to(&rays, short),
+            Err(Error::Length { of: "hits", found: 1, .. })
+        ));
+    }
+}
+
+/// Rays of one batch are converted and traced together, whatever they are.
+#[test]
+fn answers_do_not_depend_on_the_rays_beside() {
+    let mut rng = Rng(6);
+    let (mut vertices, faces) = crowd(&mut rng, 100);
+    vertices.iter_mut().for_each(|vertex| *vertex = vertex.map(|x| x + 3.0));
+    let ray = |i: usize| {
+        let distance = [1.0, 1e2, 1e5, 1e9, 1e18][i % 5];
+        let target = rng.point().map(|x| 2.0 * x + 3.0);
+        let (origin, target) = (glam::DVec3::from(rng.point()) * distance, glam::DVec3::from(target));
+        let length = [1.0, 1e-20, 1e18, f64::NAN, 0.0, INFINITE][[0, 0, 0, 1, 2, 3, 4, 5][i / 5 % 8]];
+        (origin.to_array(), ((target - origin).normalize() * length).to_array())
+    };
+    let (origins, directions): (Vec<Point>, Vec<Point>) = (0..400).map(ray).unzip();
+    for precision in BOTH {
+        let intersector = built(&[(vertices.clone(), faces.clone())], precision);
+        let together = Rays::new(&origins, &directions);
+        let [closest, alone] = [(); 2].map(|()| intersector.closest(&together).unwrap());
+        assert_eq!(closest, alone);
+        let (counts, occluded) =
+            (intersector.count(&together).unwrap(), intersector.occluded(&together).unwrap());
+        for at in 0..origins.len() {
+            let ray = Rays::new(from_ref(&origins[at]), from_ref(&directions[at]));
+            let hit = intersector.closest(&ray).unwrap();
+            let numbers = |hits: &HitColumns, at: usize| [hits.t[at], hits.u[at], hits.v[at]];
+            assert_eq!(hit.primitive[0], closest.primitive[at], "{ray:?}");
+            assert_eq!(numbers(&hit, 0), numbers(&closest, at), "{ray:?}");
+            assert_eq!(intersector.count(&ray).unwrap(), [counts[at]], "{ray:?}");
+            assert_eq!(intersector.occluded(&ray).unwrap(), [occluded[at]], "{ray:?}");
+            let cannot = directions[at].iter().any(|x| !x.is_finite()) || directions[at] == [0.0; 3];
+            assert!(!(cannot && occluded[at]), "{ray:?}");
+        }
+        assert!(occluded.iter().filter(|&&hits| hits).count() > 100);
+    }
+}
+
+/// In [`Precision::Exact`], a hit at t = 0 counts if t_min is negative.
+#[test]
+fn negative_t_min_counts_hits_at_the_origin() {
+    let triangle = (vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+    let exact = built(&[triangle], Precision::Exact);
+    let rays = Rays::new(&[[0.25, 0.25, 0.0]; 1], &[[0.0, 0.1, 1.0]; 1]);
+    assert_eq!(exact.closest(&rays).unwrap().primitive, [MISS]);
+    for t_min in [-1.0, -INFINITE, -1e-300] {
+        let hits = exact.closest(&rays.after(t_min)).unwrap();
+        assert_eq!((hits.t[0], hits.primitive[0]), (0.0, 0));
+        let behind = Rays::new(&[[0.25, 0.25, 1e-9]; 1], &[[0.0, 0.1, 1.0]; 1]).after(t_min);
+        assert_eq!(exact.occluded(&behind), Ok(vec![false]));
     }
 }
 

@@ -10,7 +10,7 @@
 use std::cmp::Ordering;
 
 /// Whether `mul_add` is one instruction; elsewhere it is a slow function.
-const HAS_FMA: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
+pub const HAS_FMA: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
 
 /// Returns a + b, rounded, and the error of the rounding.
 #[inline(always)]

@@ -16,6 +16,7 @@ mod ray;
 mod solution;
 
 pub use ray::{Crossing, ExactRay, Rule};
+pub use solution::{WIDTH, solve};
 
 /// The least and the greatest absolute value of a coordinate, except 0, for which answers are exact.
 ///

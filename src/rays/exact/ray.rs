@@ -42,11 +42,12 @@ impl ExactRay {
     /// Returns the crossing with a triangle if the ray hits it.
     #[inline]
     pub fn hit(&self, triangle: &[Point; 3], rule: Rule) -> Option<Crossing> {
-        let relative = triangle.map(|corner| sub(corner, self.origin));
-        let largest = relative.map(largest).into_iter().fold(0.0, f64::max);
+        let [a, b, c] = *triangle;
+        let (a, b, c) = (sub(a, self.origin), sub(b, self.origin), sub(c, self.origin));
+        let largest = largest(a).max(largest(b)).max(largest(c));
         let bound = BOUND * length_1(self.direction) * (largest * largest);
-        let [a, b, c] = relative;
-        let edges = [(b, c), (c, a), (a, b)].map(|(p, q)| dot(self.direction, cross(p, q)));
+        let edge = |p: Point, q: Point| dot(self.direction, cross(p, q));
+        let edges = [edge(b, c), edge(c, a), edge(a, b)];
         let least = edges[0].min(edges[1]).min(edges[2]);
         let most = edges[0].max(edges[1]).max(edges[2]);
         if least < -bound && most > bound {
@@ -96,7 +97,7 @@ impl ExactRay {
 
     /// Returns the crossing of the line and the plane of a triangle, which are not parallel.
     #[inline]
-    fn crossing(&self, triangle: &[Point; 3]) -> Crossing {
+    pub fn crossing(&self, triangle: &[Point; 3]) -> Crossing {
         let [a, b, c] = *triangle;
         let (ab, ac, a) = (sub(b, a), sub(c, a), sub(a, self.origin));
         let normal = cross(ab, ac);
@@ -194,9 +195,9 @@ fn times(a: Ordering, b: Ordering) -> Ordering {
 }
 
 impl Crossing {
-    /// Returns a number that is not below t.
-    pub fn upper(&self) -> f64 {
-        self.hi
+    /// Returns a number that is not above t, and one that is not below it.
+    pub fn bounds(&self) -> [f64; 2] {
+        [self.lo, self.hi]
     }
 
     /// Compares the t of two crossings of the same ray, given the triangles.

@@ -4,12 +4,16 @@
 //! are expansions. With q = A × d the weights are (C − A) · q and −(B − A) · q: the edges keep them accurate
 //! far from the origin.
 
-use super::expansion::{fast_two_sum, two_product, two_sum};
+use super::Point;
+use super::expansion::HAS_FMA;
 use super::ray::ExactRay;
-use super::{Point, largest, length_1};
+use crate::lane::F64x8;
 
-/// A number as the sum of two doubles; the second is at most half a unit of the first.
-type Pair = (f64, f64);
+/// The number of hits that are computed together.
+pub const WIDTH: usize = 8;
+
+/// A number as the sum of two doubles, in each lane; the second is at most half a unit of the first.
+type Pair = (F64x8, F64x8);
 
 /// The error of a determinant of pairs, relative to |p|₁ |q|∞ |r|∞. Each product is off by 2⁻¹⁰³ of itself
 /// and each sum by 2⁻¹⁰⁴: two factors and three sums are below 2⁻¹⁰⁰, of at most twice that product.
@@ -17,71 +21,145 @@ const BOUND: f64 = f64::EPSILON * f64::EPSILON * 64.0;
 /// The error of N, D and the weights that leaves the quotients accurate enough.
 const ACCURATE: f64 = f64::EPSILON / 16.0;
 
+#[inline(always)]
+fn two_sum(a: F64x8, b: F64x8) -> Pair {
+    let sum = a + b;
+    let of_b = sum - a;
+    (sum, (a - (sum - of_b)) + (b - of_b))
+}
+
+#[inline(always)]
+fn fast_two_sum(a: F64x8, b: F64x8) -> Pair {
+    let sum = a + b;
+    (sum, b - (sum - a))
+}
+
+#[inline(always)]
+fn two_product(a: F64x8, b: F64x8) -> Pair {
+    let product = a * b;
+    if HAS_FMA {
+        return (product, a.mul_add(b, -product));
+    }
+    let split = |x: F64x8| {
+        let big = x * F64x8::splat(134_217_729.0);
+        let high = big - (big - x);
+        (high, x - high)
+    };
+    let ((a, a_low), (b, b_low)) = (split(a), split(b));
+    (product, a_low * b_low - (((product - a * b) - a_low * b) - a * b_low))
+}
+
+#[inline(always)]
 fn product(a: Pair, b: Pair) -> Pair {
     let (high, low) = two_product(a.0, b.0);
     fast_two_sum(high, low + (a.0 * b.1 + a.1 * b.0))
 }
 
+#[inline(always)]
 fn sum(a: Pair, b: Pair) -> Pair {
     let ((high, low), (second, rest)) = (two_sum(a.0, b.0), two_sum(a.1, b.1));
     let (high, low) = fast_two_sum(high, low + second);
     fast_two_sum(high, low + rest)
 }
 
+#[inline(always)]
 fn negated((high, low): Pair) -> Pair {
     (-high, -low)
 }
 
-fn differences(p: Point, q: Point) -> [Pair; 3] {
+#[inline(always)]
+fn differences(p: [F64x8; 3], q: [F64x8; 3]) -> [Pair; 3] {
     [two_sum(p[0], -q[0]), two_sum(p[1], -q[1]), two_sum(p[2], -q[2])]
 }
 
+#[inline(always)]
 fn dot(p: [Pair; 3], q: [Pair; 3]) -> Pair {
     sum(sum(product(p[0], q[0]), product(p[1], q[1])), product(p[2], q[2]))
 }
 
+#[inline(always)]
 fn cross(p: [Pair; 3], q: [Pair; 3]) -> [Pair; 3] {
     let component = |i: usize, j: usize| sum(product(p[i], q[j]), negated(product(p[j], q[i])));
     [component(1, 2), component(2, 0), component(0, 1)]
 }
 
 /// Returns a / b, half a unit and little more off.
-fn quotient(a: Pair, b: Pair) -> f64 {
+#[inline(always)]
+fn quotient(a: Pair, b: Pair) -> F64x8 {
     let first = a.0 / b.0;
     let (high, low) = two_product(first, b.0);
     first + (((a.0 - high) - low) + a.1 - first * b.1) / b.0
 }
 
-impl ExactRay {
-    /// Returns t and the barycentric weights of the second and the third corner of a triangle that the ray
-    /// hits.
-    pub fn solve(&self, triangle: &[Point; 3]) -> [f64; 3] {
-        let ([n, d], [v, w]) = self.pairs(triangle).unwrap_or_else(|| self.expanded(triangle));
+/// Returns the largest absolute component of the high parts.
+#[inline(always)]
+fn largest([x, y, z]: [Pair; 3]) -> F64x8 {
+    x.0.abs().fast_max(y.0.abs()).fast_max(z.0.abs())
+}
+
+/// Returns the sum of the absolute components of the high parts.
+#[inline(always)]
+fn length_1([x, y, z]: [Pair; 3]) -> F64x8 {
+    x.0.abs() + y.0.abs() + z.0.abs()
+}
+
+/// Returns t, the weights of the second and the third corner, and whether they are accurate enough, for rays
+/// and triangles by component and lane.
+#[inline(always)]
+fn quotients(
+    origin: [F64x8; 3],
+    direction: [F64x8; 3],
+    [a, b, c]: [[F64x8; 3]; 3],
+) -> ([F64x8; 3], [bool; 8]) {
+    let (from, ab, ac) = (differences(a, origin), differences(b, a), differences(c, a));
+    let direction = direction.map(|component| (component, F64x8::ZERO));
+    let (normal, q) = (cross(ab, ac), cross(from, direction));
+    let (n, d) = (dot(from, normal), dot(direction, normal));
+    let (v, w) = (dot(ac, q), negated(dot(ab, q)));
+    let edge = largest(ab).fast_max(largest(ac));
+    let bound = F64x8::splat(BOUND) * edge;
+    let of_d = bound * edge * length_1(direction);
+    let of_n = bound * edge * length_1(from);
+    let of_weights = bound * largest(from) * length_1(direction);
+    let (d_accurate, n_accurate) = (d.0.abs() * F64x8::splat(ACCURATE), n.0.abs() * F64x8::splat(ACCURATE));
+    let [of_d, of_n, of_weights] = [of_d, of_n, of_weights].map(F64x8::to_array);
+    let (for_d, for_n) = (d_accurate.to_array(), n_accurate.to_array());
+    let are = std::array::from_fn(|lane| {
+        of_d[lane].max(of_weights[lane]) <= for_d[lane] && of_n[lane] <= for_n[lane]
+    });
+    ([quotient(n, d), quotient(v, d), quotient(w, d)], are)
+}
+
+/// Returns the x, y and z of points.
+#[inline(always)]
+fn columns(points: [Point; WIDTH]) -> [F64x8; 3] {
+    [0, 1, 2].map(|axis| F64x8::from(points.each_ref().map(|point| point[axis])))
+}
+
+/// Returns t and the barycentric weights of the second and the third corner, for rays and triangles that they
+/// hit.
+#[inline(never)]
+pub fn solve(rays: &[ExactRay; WIDTH], triangles: &[[Point; 3]; WIDTH]) -> [[f64; 3]; WIDTH] {
+    let corners = [0, 1, 2].map(|corner| columns(triangles.each_ref().map(|triangle| triangle[corner])));
+    let origin = columns(rays.each_ref().map(|ray| ray.origin));
+    let direction = columns(rays.each_ref().map(|ray| ray.direction));
+    let ([t, v, w], are_accurate) = quotients(origin, direction, corners);
+    let (t, v, w) = (t.to_array(), v.to_array(), w.to_array());
+    std::array::from_fn(|lane| {
+        let ray = &rays[lane];
+        let numbers =
+            if are_accurate[lane] { [t[lane], v[lane], w[lane]] } else { expanded(ray, &triangles[lane]) };
         // Exact values obey these limits; rounding must not leave them.
-        let weight = |of_corner| quotient(of_corner, d).clamp(0.0, 1.0);
-        [quotient(n, d).clamp(self.t_min, self.t_max), weight(v), weight(w)]
-    }
+        let [t, v, w] = numbers;
+        [t.clamp(ray.t_min, ray.t_max), v.clamp(0.0, 1.0), w.clamp(0.0, 1.0)]
+    })
+}
 
-    /// Returns N and D, and the weights times D, if they are accurate enough.
-    fn pairs(&self, &[a, b, c]: &[Point; 3]) -> Option<([Pair; 2], [Pair; 2])> {
-        let (from, ab, ac) = (differences(a, self.origin), differences(b, a), differences(c, a));
-        let direction = self.direction.map(|component| (component, 0.0));
-        let (normal, q) = (cross(ab, ac), cross(from, direction));
-        let (n, d) = (dot(from, normal), dot(direction, normal));
-        let weights = [dot(ac, q), negated(dot(ab, q))];
-        let high = |pairs: [Pair; 3]| pairs.map(|(high, _)| high);
-        let edge = largest(high(ab)).max(largest(high(ac)));
-        let of_d = BOUND * length_1(self.direction) * (edge * edge);
-        let of_n = BOUND * length_1(high(from)) * (edge * edge);
-        let of_weights = BOUND * length_1(self.direction) * (edge * largest(high(from)));
-        let is_accurate = of_d.max(of_weights) <= ACCURATE * d.0.abs() && of_n <= ACCURATE * n.0.abs();
-        is_accurate.then_some(([n, d], weights))
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn expanded(&self, triangle: &[Point; 3]) -> ([Pair; 2], [Pair; 2]) {
-        let pairs = |[a, b]: [super::expansion::Expansion; 2]| [a.leading(), b.leading()];
-        (pairs(self.terms(triangle)), pairs(self.weights(triangle)))
-    }
+#[cold]
+#[inline(never)]
+fn expanded(ray: &ExactRay, triangle: &[Point; 3]) -> [f64; 3] {
+    let pair = |(high, low): (f64, f64)| (F64x8::splat(high), F64x8::splat(low));
+    let ([n, d], [v, w]) = (ray.terms(triangle), ray.weights(triangle));
+    let d = pair(d.leading());
+    [n, v, w].map(|number| quotient(pair(number.leading()), d).to_array()[0])
 }

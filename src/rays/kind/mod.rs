@@ -184,7 +184,10 @@ impl Leaves {
     pub fn visit(&self, kind: Kind, index: usize, ray: &SingleRay, visit: &mut impl FnMut(Hit<f32>)) {
         match kind {
             Kind::Sphere => self.spheres[index].visit(&ray.ray, visit),
-            Kind::Triangle => self.triangles.with(index, |leaf| leaf.visit(ray, visit)),
+            Kind::Triangle => self.triangles.with(index, |leaf| {
+                let candidates = leaf.candidates(ray.woop.stored());
+                leaf.visit(candidates, (&ray.woop, &ray.box_ray), visit);
+            }),
         }
     }
 

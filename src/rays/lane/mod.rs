@@ -22,6 +22,8 @@ mod traits;
 pub use instructions::prefetch;
 pub use packet::{F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 pub use traits::{Bits, Lane, Mask, lane_indices, set_bits};
+/// Eight numbers in double precision: for queries, which have no other width.
+pub use wide::f64x8 as F64x8;
 
 /// Whether [`Lane::mul_add`] is fused, because the target has FMA. Films of fused builds differ from those of
 /// other builds in their last bits; nothing else about a build changes a film.

@@ -1,6 +1,10 @@
 //! The answers of queries, as columns.
 
+use super::Error;
+use super::input::check;
+use super::surfaces::Surfaces;
 use crate::math::MISS;
+use std::mem::take;
 
 /// Hits as columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,11 +21,26 @@ pub struct HitColumns {
     pub v: Vec<f64>,
 }
 
+/// Columns to write hits into, as in [`HitColumns`]. Empty columns are left out.
+#[derive(Debug, Default)]
+pub struct HitsMut<'a> {
+    /// See [`HitColumns::t`].
+    pub t: &'a mut [f64],
+    /// See [`HitColumns::surface`].
+    pub surface: &'a mut [u32],
+    /// See [`HitColumns::primitive`].
+    pub primitive: &'a mut [u32],
+    /// See [`HitColumns::u`].
+    pub u: &'a mut [f64],
+    /// See [`HitColumns::v`].
+    pub v: &'a mut [f64],
+}
+
 impl HitColumns {
-    pub(super) fn with_capacity(count: usize) -> Self {
-        let numbers = || Vec::with_capacity(count);
-        let [surface, primitive] = [(); 2].map(|()| Vec::with_capacity(count));
-        Self { t: numbers(), surface, primitive, u: numbers(), v: numbers() }
+    pub(super) fn with_len(count: usize) -> Self {
+        let (numbers, weights) = (vec![MISS; count], vec![0.0; count]);
+        let t = vec![f64::INFINITY; count];
+        Self { t, surface: numbers.clone(), primitive: numbers, u: weights.clone(), v: weights }
     }
     /// Returns the number of hits, misses included.
     pub fn len(&self) -> usize {
@@ -31,16 +50,10 @@ impl HitColumns {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    #[inline(always)]
-    pub(super) fn push(&mut self, [t, u, v]: [f64; 3], (surface, primitive): (u32, u32)) {
-        self.t.push(t);
-        self.surface.push(surface);
-        self.primitive.push(primitive);
-        self.u.push(u);
-        self.v.push(v);
-    }
-    pub(super) fn push_miss(&mut self) {
-        self.push([f64::INFINITY, 0.0, 0.0], (MISS, MISS));
+    /// Returns all columns to write into.
+    pub fn as_mut(&mut self) -> HitsMut<'_> {
+        let Self { t, surface, primitive, u, v } = self;
+        HitsMut { t, surface, primitive, u, v }
     }
     pub(super) fn append(&mut self, mut other: Self) {
         self.t.append(&mut other.t);
@@ -48,6 +61,114 @@ impl HitColumns {
         self.primitive.append(&mut other.primitive);
         self.u.append(&mut other.u);
         self.v.append(&mut other.v);
+    }
+}
+
+impl HitsMut<'_> {
+    pub(super) fn check(&self, count: usize) -> Result<(), Error> {
+        let Self { t, surface, primitive, u, v } = self;
+        let lengths = [t.len(), surface.len(), primitive.len(), u.len(), v.len()];
+        lengths.into_iter().filter(|&length| length > 0).try_for_each(|found| check("hits", found, count))
+    }
+
+    /// Splits columns after `count` hits.
+    pub(super) fn split(self, count: usize) -> (Self, Self) {
+        fn at<T>(column: &mut [T], count: usize) -> (&mut [T], &mut [T]) {
+            column.split_at_mut(count.min(column.len()))
+        }
+        let (t, t_rest) = at(self.t, count);
+        let (surface, surface_rest) = at(self.surface, count);
+        let (primitive, primitive_rest) = at(self.primitive, count);
+        let ((u, u_rest), (v, v_rest)) = (at(self.u, count), at(self.v, count));
+        let rest = Self { t: t_rest, surface: surface_rest, primitive: primitive_rest, u: u_rest, v: v_rest };
+        (Self { t, surface, primitive, u, v }, rest)
+    }
+
+    /// Splits columns of `count` hits into parts of `size`.
+    pub(super) fn parts(mut self, count: usize, size: usize) -> Vec<Self> {
+        let part = |_| {
+            let (part, rest) = take(&mut self).split(size);
+            self = rest;
+            part
+        };
+        (0..count.div_ceil(size)).map(part).collect()
+    }
+
+    /// Tests whether distances or weights are wanted.
+    pub(super) fn have_numbers(&self) -> bool {
+        !(self.t.is_empty() && self.u.is_empty() && self.v.is_empty())
+    }
+
+    /// Writes t and the weights of misses.
+    pub(super) fn fill_misses(&mut self) {
+        self.t.fill(f64::INFINITY);
+        self.u.fill(0.0);
+        self.v.fill(0.0);
+    }
+
+    /// Writes t and the weights of a hit.
+    #[inline(always)]
+    pub(super) fn set_numbers(&mut self, at: usize, [t, u, v]: [f64; 3]) {
+        set(self.t, at, t);
+        set(self.u, at, u);
+        set(self.v, at, v);
+    }
+
+    /// Writes surfaces and primitives, given the numbers of the primitives among all.
+    pub(super) fn set_primitives(&mut self, surfaces: &Surfaces, numbers: &[u32]) {
+        if surfaces.is_one_mesh() {
+            if !self.primitive.is_empty() {
+                self.primitive.copy_from_slice(numbers);
+            }
+            for (surface, &number) in self.surface.iter_mut().zip(numbers) {
+                *surface = if number == MISS { MISS } else { 0 };
+            }
+            return;
+        }
+        for (at, &number) in numbers.iter().enumerate() {
+            let (surface, primitive) = if number == MISS { (MISS, MISS) } else { surfaces.place(number) };
+            set(self.surface, at, surface);
+            set(self.primitive, at, primitive);
+        }
+    }
+}
+
+#[inline(always)]
+fn set<T>(column: &mut [T], at: usize, value: T) {
+    if let Some(place) = column.get_mut(at) {
+        *place = value;
+    }
+}
+
+/// Sorts values by ray, of which there are `count`, in the order of finding. Returns the first value of each
+/// ray, and at the end the number of all, and the values.
+pub(super) fn by_ray<T: Copy>(found: &[(u32, T)], count: usize) -> (Vec<usize>, Vec<T>) {
+    let mut offsets = vec![0; count + 1];
+    found.iter().for_each(|&(ray, _)| offsets[ray as usize + 1] += 1);
+    (1..=count).for_each(|ray| offsets[ray] += offsets[ray - 1]);
+    let mut next = offsets.clone();
+    let mut sorted: Vec<T> = found.iter().map(|&(_, value)| value).collect();
+    for &(ray, value) in found {
+        sorted[next[ray as usize]] = value;
+        next[ray as usize] += 1;
+    }
+    (offsets, sorted)
+}
+
+/// Keeps the first `most` values of each ray.
+pub(super) fn keep_first<T>(most: usize, offsets: &mut [usize], values: &mut Vec<T>) {
+    let (mut index, mut ray) = (0, 0);
+    values.retain(|_| {
+        while index >= offsets[ray + 1] {
+            ray += 1;
+        }
+        index += 1;
+        index - offsets[ray] <= most
+    });
+    let mut last = 0;
+    for ray in 1..offsets.len() {
+        let count = (offsets[ray] - std::mem::replace(&mut last, offsets[ray])).min(most);
+        offsets[ray] = offsets[ray - 1] + count;
     }
 }
 
@@ -67,10 +188,6 @@ impl Default for AllHits {
 }
 
 impl AllHits {
-    /// Ends the hits of a ray.
-    pub(super) fn end_ray(&mut self) {
-        self.offsets.push(self.hits.len());
-    }
     /// Appends the hits of more rays.
     pub fn append(&mut self, other: Self) {
         let before = self.hits.len();

@@ -1,183 +1,292 @@
-//! Queries in [`super::Precision::Exact`]: a conservative descent in f32 finds few triangles, and
-//! [`crate::exact`] decides.
+//! Queries in [`super::Precision::Exact`]: a conservative descent in f32 finds few triangles and decides most
+//! of them, and [`crate::exact`] decides the others.
 
-use super::input::OneRay;
+use super::Error;
+use super::answer::{AllHits, HitColumns, HitsMut, by_ray, keep_first};
+use super::input::{OneRay, Rays};
+use super::scene_rays::{SceneRays, Usual};
 use super::surfaces::Surfaces;
-use crate::columns::Rays;
-use crate::exact::{Crossing, ExactRay, Rule};
+use crate::columns;
+use crate::exact::{Crossing, DOMAIN, ExactRay, Rule, WIDTH, solve};
+use crate::kind::triangle::Candidate;
+use crate::math::MISS;
+use crate::traverse::Structure;
+use crate::traverse::every::{self, RoundedRay, VisitCandidates, visit_candidates_of_batch};
 use crate::traverse::stack::Stack;
 use crate::traverse::stream::Stream;
-use crate::traverse::{RoundedRay, Structure, VisitCandidates, visit_candidates_of_batch};
 use std::cmp::Ordering;
+use std::mem::take;
+use std::ops::Range;
 
 /// The end of a ray that is done, in the structure.
 const DONE: f32 = f32::NEG_INFINITY;
 
-/// Triangles, and the hierarchy over them.
+/// Triangles, the hierarchy over them, and rays.
 #[derive(Clone, Copy)]
 pub(super) struct Exact<'a> {
     pub surfaces: &'a Surfaces,
     pub structure: &'a Structure,
+    pub rays: &'a Rays<'a>,
 }
 
-/// The closest hit so far, and the number of the triangle.
-type Closest = Option<(Crossing, u32)>;
+/// A hit, and bounds of its t in the structure.
+#[derive(Clone, Copy)]
+struct Found {
+    lo: f32,
+    hi: f32,
+    number: u32,
+}
 
 /// Rays that are traced together.
 #[derive(Default)]
 pub(super) struct ExactBatch {
-    /// Two MiB, allocated at first use.
-    stream: Option<Box<Stream>>,
-    /// The x, y and z of the origins and of the directions, in f32, and the ends.
-    columns: [Vec<f32>; 6],
-    ends: Vec<f32>,
-    /// The rays, and what they hit.
-    rays: Vec<(ExactRay, RoundedRay)>,
-    hits: Vec<Closest>,
-    /// For each ray of a query the index of the batched ray, if it can hit anything.
-    indices: Vec<Option<usize>>,
+    rays: SceneRays,
+    nearest: Vec<Found>,
+    found: Vec<(u32, Found)>,
 }
 
 impl Exact<'_> {
-    /// Improves the closest hit by a triangle. Returns the new end of the ray if there is one.
-    #[inline]
-    fn improve<const ANY: bool>(
-        &self,
-        (ray, rounded): (&ExactRay, &RoundedRay),
-        closest: &mut Closest,
-        number: u32,
-    ) -> Option<f32> {
-        let corners = |number: u32| self.surfaces.corners(number as usize);
-        let triangle = corners(number);
-        let crossing = ray.hit(&triangle, Rule::Closed)?;
-        let is_nearer = closest.is_none_or(|(nearest, of_nearest)| {
-            let order = crossing.compare(&nearest, ray, || [triangle, corners(of_nearest)]);
-            order.then(number.cmp(&of_nearest)) == Ordering::Less
-        });
-        if !is_nearer {
-            return None;
-        }
-        *closest = Some((crossing, number));
-        Some(if ANY { DONE } else { rounded.end(crossing.upper().min(ray.t_max)) })
+    fn corners(&self, number: u32) -> [[f64; 3]; 3] {
+        self.surfaces.corners(number as usize)
     }
 
-    /// Finds the closest hit of each ray, with `ANY` only whether there is one; `None` is a ray that hits
-    /// nothing.
-    pub fn trace<const ANY: bool>(
+    /// Returns a ray that can hit something.
+    #[inline(always)]
+    fn ray(&self, at: usize) -> ExactRay {
+        self.rays.get(at).map(|ray| ray.exact()).expect("rays that hit nothing are left out")
+    }
+
+    /// Compares two hits of a ray by t, then number.
+    fn compare(&self, at: usize, a: &Found, b: &Found) -> Ordering {
+        match () {
+            () if a.hi < b.lo => Ordering::Less,
+            () if b.hi < a.lo => Ordering::Greater,
+            () => self.compare_exactly(&self.ray(at), a.number, b.number),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn compare_exactly(&self, ray: &ExactRay, a: u32, b: u32) -> Ordering {
+        let triangles = [self.corners(a), self.corners(b)];
+        let [of_a, of_b] = triangles.each_ref().map(|triangle| ray.crossing(triangle));
+        of_a.compare(&of_b, ray, || triangles).then(a.cmp(&b))
+    }
+
+    /// Calls `visit` with rays, by their index in the range, and all triangles that they hit by the `rule`
+    /// before the ends that `visit` returns. Rays that hit nothing are not visited. With `ANY`, the order of
+    /// triangles is arbitrary.
+    fn trace<const ANY: bool>(
         &self,
-        batch: &mut ExactBatch,
+        scene_rays: &mut SceneRays,
+        (range, rule): (Range<usize>, Rule),
+        (stream, stack): (&mut Stream, &mut Stack),
+        mut visit: impl FnMut(usize, Found) -> Option<f32>,
+    ) -> Result<(), Error> {
+        let usual = Usual { numbers: DOMAIN, extent: every::extent(self.structure) };
+        scene_rays.fill(&self.structure.coordinates(), self.rays, range.clone(), &usual);
+        let mut ends = take(&mut scene_rays.ends);
+        let SceneRays { columns: [x, y, z, dx, dy, dz], greatest, .. } = &*scene_rays;
+        for &at in &scene_rays.unusual {
+            let Some(ray) = self.rays.get(range.start + at) else { continue };
+            ray.check(range.start + at)?;
+            self.trace_one(&ray.exact(), rule, stack, |found| visit(at, found));
+        }
+        let rays = columns::Rays::new([x, y, z], [dx, dy, dz]);
+        let first = range.start;
+        let visitor = Visitor { exact: *self, scene_rays, first, rule, visit, uncertain: Vec::new() };
+        visit_candidates_of_batch::<ANY>(self.structure, *greatest, stream, &rays, &mut ends, visitor);
+        scene_rays.ends = ends;
+        Ok(())
+    }
+
+    /// Runs [`Exact::trace`] for one ray of any kind. The bounds of its hits order them as their t does.
+    fn trace_one(
+        &self,
+        ray: &ExactRay,
+        rule: Rule,
         stack: &mut Stack,
-        rays: impl Iterator<Item = Option<OneRay>>,
+        mut visit: impl FnMut(Found) -> Option<f32>,
     ) {
-        let ExactBatch { stream, columns, ends, rays: of_batch, hits, indices } = batch;
-        columns.iter_mut().chain([&mut *ends]).for_each(Vec::clear);
-        of_batch.clear();
-        hits.clear();
-        indices.clear();
-        for ray in rays {
-            let rounded = ray.and_then(|ray| {
-                Some((ray.exact(), RoundedRay::new(self.structure, ray.origin, ray.direction)?))
-            });
-            indices.push(rounded.is_some().then_some(of_batch.len()));
-            let Some((ray, rounded)) = rounded else { continue };
-            let (o, d) = (rounded.ray.origin, rounded.ray.direction);
-            columns.iter_mut().zip([o.x, o.y, o.z, d.x, d.y, d.z]).for_each(|(column, x)| column.push(x));
-            let (end, mut closest) = (rounded.end(ray.t_max), None);
-            let suits = rounded.suits_batch(self.structure);
-            if !suits {
-                rounded.visit_candidates(self.structure, stack, end, |number| {
-                    self.improve::<ANY>((&ray, &rounded), &mut closest, number)
-                });
-            }
-            ends.push(if suits { end } else { DONE });
-            hits.push(closest);
-            of_batch.push((ray, rounded));
-        }
-        let [x, y, z, dx, dy, dz] = &*columns;
-        let rays = Rays::new([x, y, z], [dx, dy, dz]);
-        let visitor = Visitor::<ANY> { exact: *self, rays: of_batch, hits };
-        let stream = stream.get_or_insert_default();
-        visit_candidates_of_batch::<ANY>(self.structure, stream, &rays, ends, visitor);
-    }
-
-    /// Calls `visit` with each hit of a ray, in no order.
-    fn visit(&self, ray: &ExactRay, rule: Rule, stack: &mut Stack, mut visit: impl FnMut(Crossing, u32)) {
         let Some(rounded) = RoundedRay::new(self.structure, ray.origin, ray.direction) else { return };
+        let mut hits: Vec<(Crossing, u32)> = Vec::new();
         rounded.visit_candidates(self.structure, stack, rounded.end(ray.t_max), |number| {
-            visit(ray.hit(&self.surfaces.corners(number as usize), rule)?, number);
+            hits.push((ray.hit(&self.corners(number), rule)?, number));
             None
         });
-    }
-
-    /// Returns how many triangles the ray crosses, edges and vertices once.
-    pub fn count(&self, ray: &OneRay, stack: &mut Stack) -> u32 {
-        let mut count = 0;
-        self.visit(&ray.exact(), Rule::Once, stack, |_, _| count += 1);
-        count
-    }
-
-    /// Calls `push` with t, weights and number of each hit, in order.
-    pub fn every_hit(&self, ray: &OneRay, stack: &mut Stack, mut push: impl FnMut([f64; 3], u32)) {
-        let (ray, mut hits) = (ray.exact(), Vec::new());
-        self.visit(&ray, Rule::Closed, stack, |crossing, number| hits.push((crossing, number)));
-        let corners = |number: u32| self.surfaces.corners(number as usize);
         hits.sort_unstable_by(|&(a, of_a), &(b, of_b)| {
-            a.compare(&b, &ray, || [corners(of_a), corners(of_b)]).then(of_a.cmp(&of_b))
+            a.compare(&b, ray, || [self.corners(of_a), self.corners(of_b)]).then(of_a.cmp(&of_b))
         });
-        let mut last = 0.0;
-        for (_, number) in hits {
+        for (place, (_, number)) in hits.into_iter().enumerate() {
+            let place = place as f32;
+            visit(Found { lo: place, hi: place, number });
+        }
+    }
+
+    /// Finds the first hit of each ray; with `ANY`, any hit.
+    fn nearest<const ANY: bool>(
+        &self,
+        batch: &mut ExactBatch,
+        range: Range<usize>,
+        memory: (&mut Stream, &mut Stack),
+    ) -> Result<(), Error> {
+        let ExactBatch { rays, nearest, .. } = batch;
+        nearest.clear();
+        nearest.resize(range.len(), Found { lo: f32::INFINITY, hi: f32::INFINITY, number: MISS });
+        let first = range.start;
+        self.trace::<ANY>(rays, (range, Rule::Closed), memory, |at, found| {
+            let nearest = &mut nearest[at];
+            let is_nearer = nearest.number == MISS || self.compare(first + at, &found, nearest).is_lt();
+            if is_nearer {
+                *nearest = found;
+            }
+            is_nearer.then_some(if ANY { DONE } else { found.hi })
+        })
+    }
+
+    /// Finds the first hits of rays.
+    pub fn closest(
+        &self,
+        batch: &mut ExactBatch,
+        range: Range<usize>,
+        memory: (&mut Stream, &mut Stack),
+        mut hits: HitsMut,
+    ) -> Result<(), Error> {
+        self.nearest::<false>(batch, range.clone(), memory)?;
+        let numbers: Vec<u32> = batch.nearest.iter().map(|found| found.number).collect();
+        if hits.have_numbers() {
+            hits.fill_misses();
+            let of_hits = numbers.iter().enumerate().filter(|(_, number)| **number != MISS);
+            let of_hits: Vec<_> = of_hits.map(|(at, &number)| (at, range.start + at, number)).collect();
+            self.solve(&of_hits, |at, numbers| hits.set_numbers(at, numbers));
+        }
+        hits.set_primitives(self.surfaces, &numbers);
+        Ok(())
+    }
+
+    /// Tests which rays hit anything.
+    pub fn occluded(
+        &self,
+        batch: &mut ExactBatch,
+        range: Range<usize>,
+        memory: (&mut Stream, &mut Stack),
+    ) -> Result<Vec<bool>, Error> {
+        self.nearest::<true>(batch, range, memory)?;
+        Ok(batch.nearest.iter().map(|found| found.number != MISS).collect())
+    }
+
+    /// Returns how many triangles each ray crosses, edges and vertices once.
+    pub fn count(
+        &self,
+        batch: &mut ExactBatch,
+        range: Range<usize>,
+        memory: (&mut Stream, &mut Stack),
+    ) -> Result<Vec<u32>, Error> {
+        let mut counts = vec![0; range.len()];
+        self.trace::<true>(&mut batch.rays, (range, Rule::Once), memory, |at, _| {
+            counts[at] += 1;
+            None
+        })?;
+        Ok(counts)
+    }
+
+    /// Returns the first hits of rays, at most so many.
+    pub fn first_hits(
+        &self,
+        batch: &mut ExactBatch,
+        (range, most): (Range<usize>, usize),
+        memory: (&mut Stream, &mut Stack),
+    ) -> Result<AllHits, Error> {
+        let ExactBatch { rays, found, .. } = batch;
+        found.clear();
+        self.trace::<true>(rays, (range.clone(), Rule::Closed), memory, |at, hit| {
+            found.push((at as u32, hit));
+            None
+        })?;
+        let (mut offsets, mut found) = by_ray(found, range.len());
+        for (of_ray, at) in offsets.windows(2).zip(range.clone()) {
+            found[of_ray[0]..of_ray[1]].sort_unstable_by(|a, b| self.compare(at, a, b));
+        }
+        keep_first(most, &mut offsets, &mut found);
+        let of_rays = offsets
+            .windows(2)
+            .zip(range)
+            .flat_map(|(of_ray, at)| (of_ray[0]..of_ray[1]).map(move |place| (place, at)));
+        let of_hits: Vec<_> = of_rays.map(|(place, at)| (place, at, found[place].number)).collect();
+        let mut hits = HitColumns::with_len(found.len());
+        self.solve(&of_hits, |place, numbers| hits.as_mut().set_numbers(place, numbers));
+        for of_ray in offsets.windows(2) {
             // Two hits less than a rounding apart stay in order.
-            let [t, u, v] = ray.solve(&corners(number));
-            last = t.max(last);
-            push([last, u, v], number);
+            (of_ray[0] + 1..of_ray[1]).for_each(|at| hits.t[at] = hits.t[at].max(hits.t[at - 1]));
+        }
+        let numbers: Vec<u32> = found.iter().map(|hit| hit.number).collect();
+        hits.as_mut().set_primitives(self.surfaces, &numbers);
+        Ok(AllHits { offsets, hits })
+    }
+
+    /// Calls `set` with t and the weights of hits, given as their places, rays and triangles.
+    fn solve(&self, hits: &[(usize, usize, u32)], mut set: impl FnMut(usize, [f64; 3])) {
+        for first in (0..hits.len()).step_by(WIDTH) {
+            let ahead = |by: usize| hits[hits.len().min(first + by)..].iter().take(WIDTH);
+            ahead(2 * WIDTH).for_each(|&(.., number)| self.surfaces.prefetch_face(number));
+            ahead(WIDTH).for_each(|&(.., number)| self.surfaces.prefetch_vertices(number));
+            let of_lane = |lane: usize| hits[(first + lane).min(hits.len() - 1)];
+            let rays = std::array::from_fn(|lane| self.ray(of_lane(lane).1));
+            let triangles = std::array::from_fn(|lane| self.corners(of_lane(lane).2));
+            let numbers = solve(&rays, &triangles);
+            hits[first..].iter().zip(numbers).for_each(|(&(place, ..), numbers)| set(place, numbers));
         }
     }
 }
 
-/// Improves the closest hits of the rays of a batch.
-struct Visitor<'a, const ANY: bool> {
+/// Decides which triangles rays hit.
+struct Visitor<'a, V> {
     exact: Exact<'a>,
-    rays: &'a [(ExactRay, RoundedRay)],
-    hits: &'a mut [Closest],
+    scene_rays: &'a SceneRays,
+    /// The first ray.
+    first: usize,
+    rule: Rule,
+    visit: V,
+    /// The rays and triangles of a node that single precision did not decide.
+    uncertain: Vec<(usize, u32)>,
 }
 
-impl<const ANY: bool> VisitCandidates for Visitor<'_, ANY> {
-    #[inline(always)]
-    fn prefetch_face(&self, triangle: u32) {
-        self.exact.surfaces.prefetch_face(triangle);
-    }
-    #[inline(always)]
-    fn prefetch_vertices(&self, triangle: u32) {
-        self.exact.surfaces.prefetch_vertices(triangle);
-    }
-    #[inline(always)]
-    fn visit(&mut self, ray: usize, triangle: u32) -> Option<f32> {
-        let (exact, rounded) = &self.rays[ray];
-        self.exact.improve::<ANY>((exact, rounded), &mut self.hits[ray], triangle)
-    }
-}
+/// The number of tests between the prefetch of vertices and their use.
+const AHEAD: usize = 6;
 
-impl ExactBatch {
-    /// Fetches what [`ExactBatch::hit`] reads for a ray: in two steps, the second with `is_near`.
-    pub fn prefetch(&self, at: usize, surfaces: &Surfaces, is_near: bool) {
-        let index = self.indices.get(at).copied().flatten();
-        match index.and_then(|index| self.hits[index]) {
-            Some((_, number)) if is_near => surfaces.prefetch_vertices(number),
-            Some((_, number)) => surfaces.prefetch_face(number),
-            None => {}
+impl<V: FnMut(usize, Found) -> Option<f32>> VisitCandidates for Visitor<'_, V> {
+    #[inline(always)]
+    fn visit(&mut self, ray: usize, Candidate { primitive: number, t }: Candidate) -> Option<f32> {
+        match t {
+            Some([_, hi]) if hi < self.scene_rays.start(ray)[0] => None,
+            Some([lo, hi]) if self.scene_rays.start(ray)[1] < lo && hi < self.scene_rays.sure_end(ray) => {
+                (self.visit)(ray, Found { lo, hi, number })
+            }
+            _ => {
+                self.exact.surfaces.prefetch_face(number);
+                self.exact.rays.prefetch(self.first + ray);
+                self.uncertain.push((ray, number));
+                None
+            }
         }
     }
 
-    /// Returns t, the weights and the triangle of a ray's hit after [`Exact::trace`].
-    pub fn hit(&self, at: usize, surfaces: &Surfaces) -> Option<([f64; 3], u32)> {
-        let index = self.indices[at]?;
-        let (_, number) = self.hits[index]?;
-        Some((self.rays[index].0.solve(&surfaces.corners(number as usize)), number))
-    }
-
-    /// Tests whether a ray hits anything, after [`Exact::trace`].
-    pub fn is_hit(&self, at: usize) -> bool {
-        self.indices[at].is_some_and(|index| self.hits[index].is_some())
+    #[inline(always)]
+    fn finish(&mut self, mut set_end: impl FnMut(usize, f32)) {
+        let (surfaces, uncertain) = (self.exact.surfaces, &self.uncertain);
+        uncertain.iter().take(AHEAD).for_each(|&(_, number)| surfaces.prefetch_vertices(number));
+        for (at, &(ray, number)) in uncertain.iter().enumerate() {
+            if let Some(&(_, next)) = uncertain.get(at + AHEAD) {
+                surfaces.prefetch_vertices(next);
+            }
+            let hit = self.exact.ray(self.first + ray).hit(&self.exact.corners(number), self.rule);
+            let Some(crossing) = hit else { continue };
+            let [lo, hi] = self.scene_rays.bounds(ray, crossing.bounds());
+            if let Some(end) = (self.visit)(ray, Found { lo, hi, number }) {
+                set_end(ray, end);
+            }
+        }
+        self.uncertain.clear();
     }
 }
 

@@ -1,10 +1,14 @@
 //! Slices of numbers, points and rays, in single or double precision.
 
 use super::{Error, outside};
+use crate::lane::prefetch;
 use std::ops::Range;
 
 /// A t_min below 0 and above all other hits before 0: with it, a hit at t = 0 counts.
 const BEFORE_0: f64 = -f64::from_bits((1023 - 500) << 52);
+
+/// The number of rays that are loaded together.
+pub(super) const BLOCK: usize = 64;
 
 /// Numbers, one for each ray or sphere.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +17,8 @@ pub enum Numbers<'a> {
     F32(&'a [f32]),
     /// In double precision.
     F64(&'a [f64]),
+    /// The same for all.
+    Same(f64),
 }
 
 /// Points or vectors, as slices of triples or as columns of x, y and z.
@@ -62,6 +68,12 @@ macro_rules! from_slices {
 }
 from_slices!(F32(f32), F64(f64));
 
+impl From<f64> for Numbers<'_> {
+    fn from(number: f64) -> Self {
+        Self::Same(number)
+    }
+}
+
 /// Columns of x, y and z.
 impl<'a, T: Into<Numbers<'a>>> From<[T; 3]> for Points<'a> {
     fn from(columns: [T; 3]) -> Self {
@@ -70,17 +82,19 @@ impl<'a, T: Into<Numbers<'a>>> From<[T; 3]> for Points<'a> {
 }
 
 impl Numbers<'_> {
-    /// Returns how many there are.
-    pub(super) fn len(&self) -> usize {
+    /// Returns how many there are, or `None` for one number for all.
+    fn len(&self) -> Option<usize> {
         match self {
-            Self::F32(numbers) => numbers.len(),
-            Self::F64(numbers) => numbers.len(),
+            Self::F32(numbers) => Some(numbers.len()),
+            Self::F64(numbers) => Some(numbers.len()),
+            Self::Same(_) => None,
         }
     }
     fn range(self, range: Range<usize>) -> Self {
         match self {
             Self::F32(numbers) => Self::F32(&numbers[range]),
             Self::F64(numbers) => Self::F64(&numbers[range]),
+            Self::Same(_) => self,
         }
     }
     #[inline(always)]
@@ -88,17 +102,38 @@ impl Numbers<'_> {
         match self {
             Self::F32(numbers) => numbers[at].into(),
             Self::F64(numbers) => numbers[at],
+            Self::Same(number) => *number,
         }
+    }
+    /// Copies the numbers from `first` on.
+    #[inline(always)]
+    fn load(&self, first: usize, to: &mut [f64]) {
+        match self {
+            Self::F32(numbers) => to.iter_mut().zip(&numbers[first..]).for_each(|(to, &x)| *to = x.into()),
+            Self::F64(numbers) => to.copy_from_slice(&numbers[first..first + to.len()]),
+            Self::Same(number) => to.fill(*number),
+        }
+    }
+    /// Tests whether there are as many as expected.
+    pub(super) fn check(&self, of: &'static str, expected: usize) -> Result<(), Error> {
+        check(of, self.len().unwrap_or(expected), expected)
     }
 }
 
 impl Points<'_> {
-    /// Returns how many there are.
+    /// Returns the same point for all.
+    pub fn same(point: [f64; 3]) -> Self {
+        Self::Columns(point.map(Numbers::Same))
+    }
+    /// Returns how many there are; 0 if the same is for all.
     pub fn len(&self) -> usize {
+        self.count().unwrap_or(0)
+    }
+    fn count(&self) -> Option<usize> {
         match self {
-            Self::F32(points) => points.len(),
-            Self::F64(points) => points.len(),
-            Self::Columns([x, ..]) => x.len(),
+            Self::F32(points) => Some(points.len()),
+            Self::F64(points) => Some(points.len()),
+            Self::Columns(columns) => columns.iter().find_map(Numbers::len),
         }
     }
     /// Tests whether there are none.
@@ -122,13 +157,39 @@ impl Points<'_> {
             Self::Columns(columns) => columns.map(|column| column.get(at)),
         }
     }
+    /// Fetches one point into the cache, unless it is in columns.
+    #[inline(always)]
+    fn prefetch(&self, at: usize) {
+        match self {
+            Self::F32(points) => prefetch(&points[at]),
+            Self::F64(points) => prefetch(&points[at]),
+            Self::Columns(_) => {}
+        }
+    }
+    /// Copies `count` points from `first` on as columns.
+    #[inline(always)]
+    fn load(&self, first: usize, count: usize, to: &mut [[f64; BLOCK]; 3]) {
+        match self {
+            Self::F32(points) => load(&points[first..first + count], to),
+            Self::F64(points) => load(&points[first..first + count], to),
+            Self::Columns(columns) => {
+                columns.iter().zip(to).for_each(|(column, to)| column.load(first, &mut to[..count]));
+            }
+        }
+    }
     /// Tests whether there are as many as expected.
     pub(super) fn check(&self, of: &'static str, expected: usize) -> Result<(), Error> {
-        let columns = match self {
-            Self::Columns(columns) => columns.map(|column| column.len()),
-            _ => [self.len(); 3],
-        };
-        columns.into_iter().try_for_each(|found| check(of, found, expected))
+        match self {
+            Self::Columns(columns) => columns.iter().try_for_each(|column| column.check(of, expected)),
+            Self::F32(_) | Self::F64(_) => check(of, self.len(), expected),
+        }
+    }
+}
+
+#[inline(always)]
+fn load<T: Copy + Into<f64>>(points: &[[T; 3]], [x, y, z]: &mut [[f64; BLOCK]; 3]) {
+    for (point, ((x, y), z)) in points.iter().zip(x.iter_mut().zip(y).zip(z)) {
+        (*x, *y, *z) = (point[0].into(), point[1].into(), point[2].into());
     }
 }
 
@@ -141,8 +202,16 @@ pub(super) fn check(of: &'static str, found: usize, expected: usize) -> Result<(
 pub struct Rays<'a> {
     origins: Points<'a>,
     directions: Points<'a>,
-    t_min: Option<Numbers<'a>>,
-    t_max: Option<Numbers<'a>>,
+    t_min: Numbers<'a>,
+    t_max: Numbers<'a>,
+}
+
+/// Rays as columns. Those behind the last have a direction of 0.
+pub(super) struct Block {
+    pub origin: [[f64; BLOCK]; 3],
+    pub direction: [[f64; BLOCK]; 3],
+    pub t_min: [f64; BLOCK],
+    pub t_max: [f64; BLOCK],
 }
 
 /// One ray that can hit something.
@@ -158,19 +227,20 @@ impl<'a> Rays<'a> {
     /// Creates rays from slices of triples, as `&[[f32; 3]]` or `&[[f64; 3]]`, or from columns, as `[&[f32];
     /// 3]` or `[&[f64]; 3]`.
     pub fn new(origins: impl Into<Points<'a>>, directions: impl Into<Points<'a>>) -> Self {
-        Self { origins: origins.into(), directions: directions.into(), t_min: None, t_max: None }
+        let [t_min, t_max] = [0.0, f64::INFINITY].map(Numbers::Same);
+        Self { origins: origins.into(), directions: directions.into(), t_min, t_max }
     }
-    /// Sets the t_min of each ray, in lengths of its direction: hits count behind it.
+    /// Sets the t_min of each ray, or of all, in lengths of the direction: hits count behind it.
     pub fn after(self, t_min: impl Into<Numbers<'a>>) -> Self {
-        Self { t_min: Some(t_min.into()), ..self }
+        Self { t_min: t_min.into(), ..self }
     }
-    /// Sets the t_max of each ray, in lengths of its direction: hits count before it.
+    /// Sets the t_max of each ray, or of all, in lengths of the direction: hits count before it.
     pub fn until(self, t_max: impl Into<Numbers<'a>>) -> Self {
-        Self { t_max: Some(t_max.into()), ..self }
+        Self { t_max: t_max.into(), ..self }
     }
     /// Returns the number of rays.
     pub fn len(&self) -> usize {
-        self.origins.len()
+        self.origins.count().or(self.directions.count()).unwrap_or(0)
     }
     /// Tests whether there are no rays.
     pub fn is_empty(&self) -> bool {
@@ -178,12 +248,11 @@ impl<'a> Rays<'a> {
     }
     /// Returns the rays with these indices.
     pub fn range(self, range: Range<usize>) -> Self {
-        let ends = |ends: Option<Numbers<'a>>| ends.map(|ends| ends.range(range.clone()));
         Self {
             origins: self.origins.range(range.clone()),
             directions: self.directions.range(range.clone()),
-            t_min: ends(self.t_min),
-            t_max: ends(self.t_max),
+            t_min: self.t_min.range(range.clone()),
+            t_max: self.t_max.range(range),
         }
     }
 
@@ -192,17 +261,49 @@ impl<'a> Rays<'a> {
         let count = self.len();
         self.origins.check("origins", count)?;
         self.directions.check("directions", count)?;
-        self.t_min.map_or(Ok(()), |t_min| check("t_min", t_min.len(), count))?;
-        self.t_max.map_or(Ok(()), |t_max| check("t_max", t_max.len(), count))
+        self.t_min.check("t_min", count)?;
+        self.t_max.check("t_max", count)
+    }
+
+    /// Tests whether every t_max is ∞, and no t_min is above 0.
+    pub(super) fn have_no_ends(&self) -> bool {
+        let are = |numbers: Numbers, matches: fn(f64) -> bool| match numbers {
+            Numbers::Same(number) => matches(number),
+            _ => false,
+        };
+        are(self.t_min, |t_min| t_min <= 0.0) && are(self.t_max, |t_max| t_max == f64::INFINITY)
+    }
+
+    /// Returns up to [`BLOCK`] rays from `first` on.
+    #[inline(always)]
+    pub(super) fn load(&self, first: usize, count: usize) -> Block {
+        let zeros = [0.0; BLOCK];
+        let mut block = Block { origin: [zeros; 3], direction: [zeros; 3], t_min: zeros, t_max: zeros };
+        self.origins.load(first, count, &mut block.origin);
+        self.directions.load(first, count, &mut block.direction);
+        self.t_min.load(first, &mut block.t_min[..count]);
+        self.t_max.load(first, &mut block.t_max[..count]);
+        block.t_min = block.t_min.map(after);
+        block
+    }
+
+    /// Fetches origin and direction of a ray into the cache.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, at: usize) {
+        self.origins.prefetch(at);
+        self.directions.prefetch(at);
+    }
+
+    /// Returns t_min and t_max of a ray.
+    pub(super) fn ends(&self, at: usize) -> [f64; 2] {
+        [after(self.t_min.get(at)), self.t_max.get(at)]
     }
 
     /// Returns a ray; `None` if it hits nothing.
     #[inline(always)]
     pub(super) fn get(&self, at: usize) -> Option<OneRay> {
         let (origin, direction) = (self.origins.get(at), self.directions.get(at));
-        let t_min = self.t_min.map_or(0.0, |t_min| t_min.get(at));
-        let t_max = self.t_max.map_or(f64::INFINITY, |t_max| t_max.get(at));
-        let t_min = if t_min < 0.0 { BEFORE_0 } else { t_min };
+        let [t_min, t_max] = self.ends(at);
         let is_finite = origin.iter().chain(&direction).all(|component| component.is_finite());
         (is_finite && direction != [0.0; 3] && t_min < t_max).then_some(OneRay {
             origin,
@@ -211,6 +312,12 @@ impl<'a> Rays<'a> {
             t_max,
         })
     }
+}
+
+/// Returns the t_min that the rule for negative ones gives.
+#[inline(always)]
+fn after(t_min: f64) -> f64 {
+    if t_min < 0.0 { BEFORE_0 } else { t_min }
 }
 
 impl OneRay {

@@ -1,13 +1,14 @@
 //! Answers queries about rays and points, in chunks on several threads.
 
-use super::answer::{AllHits, HitColumns};
+use super::answer::{AllHits, HitColumns, HitsMut};
 use super::exact::{Exact, ExactBatch};
-use super::input::{OneRay, Points, Rays};
-use super::single::{self, Batch};
+use super::input::{Points, Rays};
 use super::surfaces::Surfaces;
-use super::{Error, Precision};
+use super::{Error, Precision, single};
 use crate::traverse::stack::Stack;
+use crate::traverse::stream::Stream;
 use crate::traverse::{Structure, Tracer, Traversal};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -16,9 +17,9 @@ use std::sync::Arc;
 /// The number of rays that a thread takes at a time.
 const CHUNK: usize = Tracer::BATCH;
 
-/// The direction of the rays that [`Intersector::contains`] counts along: no edge of a usual mesh is parallel
-/// to it.
-const DIRECTION: [f64; 3] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2, 0.324_717_957_244_746_1];
+/// The direction of the rays that [`Intersector::contains`] counts along, if the first axis is that along
+/// which the surfaces extend least: nearly along it, but no edge of a usual mesh is parallel.
+const DIRECTION: [f64; 3] = [1.0, 0.113_721_695_4, 0.073_154_281_2];
 
 /// The threads that answer queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,6 +36,8 @@ pub enum Threads {
 pub struct Intersector {
     surfaces: Arc<Surfaces>,
     structure: Structure,
+    /// The lower and upper corner of the surfaces.
+    bounds: [DVec3; 2],
     precision: Precision,
     threads: Threads,
 }
@@ -42,9 +45,10 @@ pub struct Intersector {
 /// The working memory of a thread.
 #[derive(Default)]
 struct Memory {
-    tracer: Tracer,
+    /// Two MiB, allocated at first use.
+    stream: Option<Box<Stream>>,
     stack: Stack,
-    batch: Batch,
+    single: single::Batch,
     exact: ExactBatch,
 }
 
@@ -54,12 +58,13 @@ thread_local! {
 
 impl Intersector {
     pub(super) fn new(surfaces: Surfaces, precision: Precision) -> Self {
-        let geometry = surfaces.geometry();
+        let bounds = surfaces.bounds();
+        let geometry = surfaces.geometry(bounds, precision);
         let structure = match precision {
             Precision::Single => Structure::new(&geometry),
             Precision::Exact => Structure::tree(&geometry, Traversal::Single),
         };
-        Self { surfaces: Arc::new(surfaces), structure, precision, threads: Threads::default() }
+        Self { surfaces: Arc::new(surfaces), structure, bounds, precision, threads: Threads::default() }
     }
 
     /// Chooses the threads that answer queries.
@@ -91,46 +96,45 @@ impl Intersector {
         vertices: impl Into<Points<'a>>,
     ) -> Result<(), Error> {
         Arc::make_mut(&mut self.surfaces).move_vertices(surface, vertices.into())?;
-        self.structure = self.structure.refitted(&self.surfaces.geometry());
+        self.bounds = self.surfaces.bounds();
+        let geometry = self.surfaces.geometry(self.bounds, self.precision);
+        self.structure = self.structure.refitted(&geometry);
         Ok(())
     }
 
     /// Returns the first hit of each ray, or a miss.
     pub fn closest(&self, rays: &Rays) -> Result<HitColumns, Error> {
+        let mut hits = HitColumns::with_len(rays.len());
+        self.closest_to(rays, hits.as_mut())?;
+        Ok(hits)
+    }
+
+    /// Finds the first hit of each ray, or a miss, and writes them into columns. In [`Precision::Exact`] it
+    /// is faster if only surfaces and primitives are wanted.
+    pub fn closest_to(&self, rays: &Rays, hits: HitsMut) -> Result<(), Error> {
         rays.check()?;
-        self.in_chunks(rays.len(), HitColumns::append, |range, memory| {
-            let mut hits = HitColumns::with_capacity(range.len());
-            let mut push = |hit: Option<([f64; 3], u32)>| match hit {
-                Some((hit, number)) => self.push(&mut hits, hit, number),
-                None => hits.push_miss(),
-            };
-            let count = range.len();
-            if self.precision == Precision::Exact {
-                self.trace_exact::<false>(rays, range, memory)?;
-                for at in 0..count {
-                    memory.exact.prefetch(at + 16, &self.surfaces, false);
-                    memory.exact.prefetch(at + 8, &self.surfaces, true);
-                    push(memory.exact.hit(at, &self.surfaces));
-                }
-            } else {
-                memory.trace::<false>(self, range.map(|at| rays.get(at)));
-                (0..count).for_each(|at| push(memory.batch.hit(at)));
+        hits.check(rays.len())?;
+        let parts = hits.parts(rays.len(), CHUNK);
+        let answers = self.map_parts(rays.len(), parts, |range, hits, memory| {
+            let Memory { stream, stack, single, exact } = memory;
+            if self.precision == Precision::Single {
+                single.closest((&self.surfaces, &self.structure), rays, range, hits);
+                return Ok(());
             }
-            Ok(hits)
-        })
+            self.exact(rays).closest(exact, range, (stream.get_or_insert_default(), stack), hits)
+        });
+        answers.into_iter().collect()
     }
 
     /// Tests which rays hit anything.
     pub fn occluded(&self, rays: &Rays) -> Result<Vec<bool>, Error> {
         rays.check()?;
         self.in_chunks(rays.len(), Vec::extend, |range, memory| {
-            let count = range.len();
-            if self.precision == Precision::Exact {
-                self.trace_exact::<true>(rays, range, memory)?;
-                return Ok((0..count).map(|at| memory.exact.is_hit(at)).collect());
+            let Memory { stream, stack, single, exact } = memory;
+            if self.precision == Precision::Single {
+                return Ok(single.occluded(&self.structure, rays, range));
             }
-            memory.trace::<true>(self, range.map(|at| rays.get(at)));
-            Ok((0..count).map(|at| memory.batch.hit(at).is_some()).collect())
+            self.exact(rays).occluded(exact, range, (stream.get_or_insert_default(), stack))
         })
     }
 
@@ -144,20 +148,15 @@ impl Intersector {
     pub fn first_hits(&self, rays: &Rays, most: usize) -> Result<AllHits, Error> {
         rays.check()?;
         self.in_chunks(rays.len(), AllHits::append, |range, memory| {
-            let mut all = AllHits::default();
-            for at in range {
-                if let Some(ray) = self.ray(rays, at)? {
-                    let mut left = most;
-                    self.every_hit(&ray, memory, |hit, number| {
-                        if left > 0 {
-                            left -= 1;
-                            self.push(&mut all.hits, hit, number);
-                        }
-                    });
+            let Memory { stream, stack, single, exact } = memory;
+            let memory = (&mut **stream.get_or_insert_default(), stack);
+            match self.precision {
+                Precision::Single => {
+                    let of = (&*self.surfaces, &self.structure);
+                    Ok(single.first_hits(of, rays, (range, most), memory))
                 }
-                all.end_ray();
+                Precision::Exact => self.exact(rays).first_hits(exact, (range, most), memory),
             }
-            Ok(all)
         })
     }
 
@@ -170,9 +169,13 @@ impl Intersector {
     /// hits of [`Intersector::all_hits`].
     pub fn count(&self, rays: &Rays) -> Result<Vec<u32>, Error> {
         rays.check()?;
-        self.one_by_one(rays.len(), |at, memory| {
-            let ray = self.ray(rays, at)?;
-            Ok(ray.map_or(0, |ray| self.crossings(&ray, memory)))
+        self.in_chunks(rays.len(), Vec::extend, |range, memory| {
+            let Memory { stream, stack, single, exact } = memory;
+            let memory = (&mut **stream.get_or_insert_default(), stack);
+            match self.precision {
+                Precision::Single => Ok(single.count(&self.structure, rays, range, memory)),
+                Precision::Exact => self.exact(rays).count(exact, range, memory),
+            }
         })
     }
 
@@ -186,73 +189,21 @@ impl Intersector {
     pub fn contains<'a>(&self, points: impl Into<Points<'a>>) -> Result<Vec<bool>, Error> {
         let points = points.into();
         points.check("columns", points.len())?;
-        self.one_by_one(points.len(), |at, memory| {
-            let (origin, [t_min, t_max]) = (points.get(at), [0.0, f64::INFINITY]);
-            let ray = OneRay { origin, direction: DIRECTION, t_min, t_max };
-            if origin.iter().any(|component| !component.is_finite()) {
-                return Ok(false);
-            }
-            self.check(&ray, at)?;
-            Ok(self.crossings(&ray, memory) % 2 == 1)
-        })
+        // The shortest way out, as far as one axis tells.
+        let [lo, hi] = self.bounds;
+        let (middle, axis) = (lo * 0.5 + hi * 0.5, (hi - lo).min_position());
+        let mut forward = DIRECTION;
+        forward.rotate_right(axis);
+        let backward = forward.map(|component| -component);
+        let is_ahead = |at: usize| points.get(at)[axis] > middle[axis];
+        let direction = |at: usize| if is_ahead(at) { forward } else { backward };
+        let directions: Vec<[f64; 3]> = (0..points.len()).map(direction).collect();
+        let counts = self.count(&Rays::new(points, &directions))?;
+        Ok(counts.into_iter().map(|count| count % 2 == 1).collect())
     }
 
-    fn exact(&self) -> Exact<'_> {
-        Exact { surfaces: &self.surfaces, structure: &self.structure }
-    }
-
-    /// Returns a ray, if it can hit something and can be answered.
-    fn ray(&self, rays: &Rays, at: usize) -> Result<Option<OneRay>, Error> {
-        let ray = rays.get(at);
-        ray.map_or(Ok(()), |ray| self.check(&ray, at)).map(|()| ray)
-    }
-
-    fn check(&self, ray: &OneRay, at: usize) -> Result<(), Error> {
-        if self.precision == Precision::Exact { ray.check(at) } else { Ok(()) }
-    }
-
-    fn trace_exact<const ANY: bool>(
-        &self,
-        rays: &Rays,
-        range: Range<usize>,
-        memory: &mut Memory,
-    ) -> Result<(), Error> {
-        let (Memory { exact, stack, .. }, mut fault) = (memory, Ok(()));
-        let rays = range.map_while(|at| self.ray(rays, at).map_err(|error| fault = Err(error)).ok());
-        self.exact().trace::<ANY>(exact, stack, rays);
-        fault
-    }
-
-    fn every_hit(&self, ray: &OneRay, memory: &mut Memory, push: impl FnMut([f64; 3], u32)) {
-        match self.precision {
-            Precision::Single => single::every_hit(&self.structure, ray, &mut memory.stack, push),
-            Precision::Exact => self.exact().every_hit(ray, &mut memory.stack, push),
-        }
-    }
-
-    fn crossings(&self, ray: &OneRay, memory: &mut Memory) -> u32 {
-        match self.precision {
-            Precision::Single => {
-                let mut count = 0;
-                self.every_hit(ray, memory, |_, _| count += 1);
-                count
-            }
-            Precision::Exact => self.exact().count(ray, &mut memory.stack),
-        }
-    }
-
-    fn push(&self, hits: &mut HitColumns, [t, u, v]: [f64; 3], number: u32) {
-        let [u, v] = if self.surfaces.is_sphere(number) { [0.0; 2] } else { [u, v] };
-        hits.push([t, u, v], self.surfaces.place(number));
-    }
-
-    /// Runs a query on each of `count` rays; returns the answers in order, or the first error.
-    fn one_by_one<R: Send>(
-        &self,
-        count: usize,
-        query: impl Fn(usize, &mut Memory) -> Result<R, Error> + Sync,
-    ) -> Result<Vec<R>, Error> {
-        self.in_chunks(count, Vec::extend, |range, memory| range.map(|at| query(at, memory)).collect())
+    fn exact<'a>(&'a self, rays: &'a Rays<'a>) -> Exact<'a> {
+        Exact { surfaces: &self.surfaces, structure: &self.structure, rays }
     }
 
     /// Runs a query on chunks of `count` rays; returns the answers, appended in order, or the first error.
@@ -262,15 +213,8 @@ impl Intersector {
         append: impl Fn(&mut R, R),
         query: impl Fn(Range<usize>, &mut Memory) -> Result<R, Error> + Sync,
     ) -> Result<R, Error> {
-        let run = |chunk: usize| {
-            let range = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
-            MEMORY.with_borrow_mut(|memory| query(range, memory))
-        };
-        let chunks = 0..count.div_ceil(CHUNK);
-        let answers: Vec<_> = match self.threads {
-            Threads::Pool => chunks.into_par_iter().map(run).collect(),
-            Threads::Caller => chunks.map(run).collect(),
-        };
+        let answers =
+            self.map_parts(count, vec![(); count.div_ceil(CHUNK)], |range, (), memory| query(range, memory));
         let joined = answers.into_iter().reduce(|all, chunk| {
             let mut all = all?;
             append(&mut all, chunk?);
@@ -278,14 +222,21 @@ impl Intersector {
         });
         joined.unwrap_or_else(|| Ok(R::default()))
     }
-}
 
-impl Memory {
-    fn trace<const ANY: bool>(
-        &mut self,
-        of: &Intersector,
-        rays: impl ExactSizeIterator<Item = Option<OneRay>>,
-    ) {
-        self.batch.trace::<ANY>((&of.structure, &mut self.tracer), rays);
+    /// Runs a query on chunks of `count` rays, each with a part of the output.
+    fn map_parts<P: Send, R: Send>(
+        &self,
+        count: usize,
+        parts: Vec<P>,
+        query: impl Fn(Range<usize>, P, &mut Memory) -> Result<R, Error> + Sync,
+    ) -> Vec<Result<R, Error>> {
+        let run = |(chunk, part): (usize, P)| {
+            let range = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
+            MEMORY.with_borrow_mut(|memory| query(range, part, memory))
+        };
+        match self.threads {
+            Threads::Pool => parts.into_par_iter().enumerate().map(run).collect(),
+            Threads::Caller => parts.into_iter().enumerate().map(run).collect(),
+        }
     }
 }

@@ -48,11 +48,12 @@ mod answer;
 mod exact;
 mod input;
 mod intersector;
+mod scene_rays;
 mod single;
 mod surfaces;
 
 pub use crate::math::MISS;
-pub use answer::{AllHits, HitColumns};
+pub use answer::{AllHits, HitColumns, HitsMut};
 pub use input::{Numbers, Points, Rays};
 pub use intersector::{Intersector, Threads};
 pub use surfaces::Surfaces;

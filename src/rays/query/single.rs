@@ -1,58 +1,37 @@
-//! Queries in [`super::Precision::Single`]: [`Tracer`] answers for a batch of rays at once, or every hit of a
-//! ray is visited.
+//! Queries in [`super::Precision::Single`]: [`Tracer`] answers for a batch of rays at once, or every hit is
+//! visited.
 
-use super::input::OneRay;
-use crate::columns::{Hits, Rays};
-use crate::math::{MISS, Ray, Vec3};
+use super::answer::{AllHits, HitColumns, HitsMut, by_ray, keep_first};
+use super::input::{OneRay, Rays};
+use super::scene_rays::{SceneRays, Usual};
+use super::surfaces::Surfaces;
+use crate::columns;
+use crate::columns::Hits;
+use crate::math::{Hit, MISS, Ray, Vec3};
+use crate::traverse::every::{visit_every_hit, visit_every_hit_of_batch};
 use crate::traverse::stack::Stack;
-use crate::traverse::{Structure, Tracer, visit_every_hit};
+use crate::traverse::stream::Stream;
+use crate::traverse::{Structure, Tracer};
 use glam::DVec3;
+use std::ops::Range;
 
-/// A batch of rays in the coordinates of a structure, with directions of unit length, and their hits.
+/// Rays that are traced together, and their hits.
 #[derive(Default)]
 pub(super) struct Batch {
-    /// The x, y and z of the origins and of the directions.
-    columns: [Vec<f32>; 6],
-    t_min: Vec<f32>,
-    t: Vec<f32>,
+    tracer: Tracer,
+    rays: SceneRays,
     primitive: Vec<u32>,
     weights: [Vec<f32>; 2],
-    /// The length of each direction in units of the structure.
-    scale: Vec<f64>,
+    /// Every hit, by ray.
+    found: Vec<(u32, Hit<f32>)>,
 }
 
-/// A ray in f32. Hits are between the first and the second end.
-struct SceneRay {
-    ray: Ray<f32>,
-    ends: [f32; 2],
-    scale: f64,
-}
+/// Rays may be anywhere, and have any finite numbers.
+const USUAL: Usual = Usual { numbers: [0.0, f64::MAX], extent: f64::INFINITY };
 
-impl SceneRay {
-    #[inline(always)]
-    fn new(structure: &Structure, ray: &OneRay) -> Option<Self> {
-        let (coordinates, direction) = (structure.coordinates(), DVec3::from(ray.direction));
-        let squared = direction.length_squared();
-        let (length, direction) = match squared {
-            // The tolerance is that of [`Tracer::closest`].
-            squared if (squared - 1.0).abs() <= 2e-6 => (1.0, direction),
-            1e-200..1e200 => (squared.sqrt(), direction / squared.sqrt()),
-            _ => {
-                // Divided by the largest component, so that no square overflows or underflows.
-                let largest = direction.abs().max_element();
-                let length = largest * (direction / largest).length();
-                (length, direction / length)
-            }
-        };
-        let scale = length / coordinates.unit;
-        let end = if ray.t_max == f64::INFINITY { f32::INFINITY } else { end(ray.t_max, scale) };
-        let ends = [(ray.t_min * scale) as f32, end];
-        let ray = Ray {
-            origin: Vec3::splat(coordinates.to_scene(ray.origin.into()).as_vec3()),
-            direction: Vec3::splat(direction.as_vec3()),
-        };
-        (scale.is_normal()).then_some(Self { ray, ends, scale })
-    }
+/// Returns the rays of columns.
+fn columns([x, y, z, dx, dy, dz]: &[Vec<f32>; 6]) -> columns::Rays<'_> {
+    columns::Rays::new([x, y, z], [dx, dy, dz])
 }
 
 /// Returns the least end for which t < end is t / scale < t_max, as both are rounded.
@@ -67,74 +46,169 @@ fn end(t_max: f64, scale: f64) -> f32 {
 }
 
 impl Batch {
-    /// Fills the batch; `None` is a ray that hits nothing.
-    fn fill(&mut self, structure: &Structure, rays: impl ExactSizeIterator<Item = Option<OneRay>>) {
-        let Self { columns, t_min, t, primitive, weights, scale } = self;
-        let count = rays.len();
-        columns.iter_mut().chain([&mut *t_min, &mut *t]).for_each(|column| column.resize(count, 0.0));
-        scale.resize(count, 0.0);
-        let [x, y, z, dx, dy, dz] = columns.each_mut().map(|column| &mut column[..count]);
-        let (t_min, t, scale) = (&mut t_min[..count], &mut t[..count], &mut scale[..count]);
-        let nothing = SceneRay {
-            ray: Ray { origin: Vec3::zero(), direction: Vec3::zero() },
-            ends: [0.0, f32::NAN],
-            scale: 1.0,
+    /// Converts rays to the coordinates of a structure. Those that hit nothing end at NaN.
+    fn fill(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>) {
+        let coordinates = structure.coordinates();
+        self.rays.fill(&coordinates, rays, range.clone(), &USUAL);
+        let SceneRays { columns, starts, ends, scale, unusual, .. } = &mut self.rays;
+        let exact_end = |t_max: f64, scale: f64| match t_max {
+            f64::INFINITY => f32::INFINITY,
+            t_max => end(t_max, scale),
         };
-        for (at, ray) in (0..count).zip(rays) {
-            let ray = ray.and_then(|ray| SceneRay::new(structure, &ray));
-            let SceneRay { ray: Ray { origin: o, direction: d }, ends, scale: of_ray } =
-                ray.as_ref().unwrap_or(&nothing);
-            (x[at], y[at], z[at], dx[at], dy[at], dz[at]) = (o.x, o.y, o.z, d.x, d.y, d.z);
-            (t_min[at], t[at], scale[at]) = (ends[0], ends[1], *of_ray);
+        if !rays.have_no_ends() {
+            for (at, &scale) in (0..range.len()).zip(&*scale) {
+                let [t_min, t_max] = rays.ends(range.start + at);
+                (starts[at], ends[at]) = ((t_min * scale) as f32, exact_end(t_max, scale));
+            }
+        } else {
+            starts.fill(0.0);
         }
-        primitive.clear();
-        primitive.resize(t.len(), MISS);
-        weights.iter_mut().for_each(|column| column.resize(t.len(), 0.0));
+        for &at in &*unusual {
+            ends[at] = f32::NAN;
+            let Some(OneRay { origin, direction, t_min, t_max }) = rays.get(range.start + at) else {
+                continue;
+            };
+            let direction = DVec3::from(direction);
+            // Divided by the largest component, so that no square overflows or underflows.
+            let largest = direction.abs().max_element();
+            let length = largest * (direction / largest).length();
+            let of_ray = length / coordinates.unit;
+            if of_ray.is_normal() {
+                let direction = (direction / largest).normalize().as_vec3().to_array();
+                let from = coordinates.to_scene(origin.into()).as_vec3().to_array();
+                columns.iter_mut().zip(from.into_iter().chain(direction)).for_each(|(to, x)| to[at] = x);
+                (starts[at], ends[at]) = ((t_min * of_ray) as f32, exact_end(t_max, of_ray));
+                scale[at] = of_ray;
+            }
+        }
     }
 
     /// Traces rays to their first hits; with `ANY`, only whether there is one is defined.
-    pub fn trace<const ANY: bool>(
-        &mut self,
-        (structure, tracer): (&Structure, &mut Tracer),
-        rays: impl ExactSizeIterator<Item = Option<OneRay>>,
-    ) {
-        self.fill(structure, rays);
-        let [x, y, z, dx, dy, dz] = &self.columns;
-        let mut rays = Rays::new([x, y, z], [dx, dy, dz]);
+    fn trace<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>) {
+        let count = range.len();
+        self.fill(structure, rays, range);
+        let Self { tracer, rays: SceneRays { columns, starts, ends, .. }, primitive, weights, .. } = self;
+        primitive.clear();
+        primitive.resize(count, MISS);
+        weights.iter_mut().for_each(|column| column.resize(count, 0.0));
+        let mut of_batch = self::columns(columns);
         // The bound is a hit of the last primitive, so that no hit at its t follows it.
-        let bound = vec![MISS; if self.t_min.iter().any(|&t_min| t_min > 0.0) { rays.len() } else { 0 }];
-        if !bound.is_empty() {
-            rays = rays.beyond(&self.t_min, &bound);
+        let has_starts = !rays.have_no_ends() && starts.iter().any(|&start| start > 0.0);
+        let bound = vec![MISS; if has_starts { count } else { 0 }];
+        if has_starts {
+            of_batch = of_batch.beyond(starts, &bound);
         }
-        let [u, v] = &mut self.weights;
-        let mut hits = Hits { t: &mut self.t, primitive: &mut self.primitive, u, v };
-        tracer.improve::<ANY>(structure, &rays, &mut hits);
+        let [u, v] = weights;
+        tracer.improve::<ANY>(structure, &of_batch, &mut Hits { t: ends, primitive, u, v });
     }
 
-    /// Returns t, the weights and the primitive of a ray's hit.
-    pub fn hit(&self, at: usize) -> Option<([f64; 3], u32)> {
-        let [u, v] = self.weights.each_ref().map(|column| f64::from(column[at]));
-        let t = f64::from(self.t[at]) / self.scale[at];
-        (self.primitive[at] != MISS).then_some(([t, u, v], self.primitive[at]))
-    }
-}
-
-/// Calls `push` with t, weights and primitive of each hit of a ray, in order.
-pub(super) fn every_hit(
-    structure: &Structure,
-    ray: &OneRay,
-    stack: &mut Stack,
-    mut push: impl FnMut([f64; 3], u32),
-) {
-    let Some(SceneRay { ray, ends: [start, end], scale }) = SceneRay::new(structure, ray) else { return };
-    let mut hits = Vec::new();
-    visit_every_hit(structure, stack, ray, end, &mut |hit| {
-        if hit.t > start {
-            hits.push(hit);
+    /// Finds the first hits of rays.
+    pub fn closest(
+        &mut self,
+        (surfaces, structure): (&Surfaces, &Structure),
+        rays: &Rays,
+        range: Range<usize>,
+        mut hits: HitsMut,
+    ) {
+        self.trace::<false>(structure, rays, range);
+        let Self { rays: SceneRays { ends: t, scale, .. }, primitive, weights: [u, v], .. } = self;
+        let is_hit = |number: u32| number != MISS;
+        for (to, ((t, scale), &number)) in hits.t.iter_mut().zip(t.iter().zip(scale).zip(&*primitive)) {
+            *to = if is_hit(number) { f64::from(*t) / *scale } else { f64::INFINITY };
         }
-    });
-    hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
-    // A ray that touches a sphere hits it once.
-    hits.dedup_by_key(|hit| (hit.t, hit.primitive));
-    hits.iter().for_each(|hit| push([f64::from(hit.t) / scale, hit.u.into(), hit.v.into()], hit.primitive));
+        for (to, from) in [(&mut hits.u, u), (&mut hits.v, v)] {
+            for ((to, from), &number) in to.iter_mut().zip(from).zip(&*primitive) {
+                let is_weighted = is_hit(number) & !surfaces.is_sphere(number);
+                *to = if is_weighted { f64::from(*from) } else { 0.0 };
+            }
+        }
+        hits.set_primitives(surfaces, primitive);
+    }
+
+    /// Tests which rays hit anything.
+    pub fn occluded(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>) -> Vec<bool> {
+        self.trace::<true>(structure, rays, range);
+        self.primitive.iter().map(|&number| number != MISS).collect()
+    }
+
+    /// Finds every hit of rays, in any order.
+    fn gather(
+        &mut self,
+        structure: &Structure,
+        rays: &Rays,
+        range: Range<usize>,
+        (stream, stack): (&mut Stream, &mut Stack),
+    ) {
+        self.fill(structure, rays, range);
+        let Self { rays: SceneRays { columns, starts, ends, .. }, found, .. } = self;
+        found.clear();
+        let of_batch = self::columns(columns);
+        let are_found = visit_every_hit_of_batch(structure, stream, &of_batch, ends, |ray, hit| {
+            if hit.t > starts[ray] {
+                found.push((ray as u32, hit));
+            }
+        });
+        if are_found {
+            return;
+        }
+        for at in 0..ends.len() {
+            let [x, y, z, dx, dy, dz] = columns.each_ref().map(|column| column[at]);
+            let ray = Ray { origin: Vec3::new(x, y, z), direction: Vec3::new(dx, dy, dz) };
+            let mut hits = Vec::new();
+            visit_every_hit(structure, stack, ray, ends[at], &mut |hit| {
+                if hit.t > starts[at] {
+                    hits.push(hit);
+                }
+            });
+            // A ray that touches a sphere hits it once.
+            hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
+            hits.dedup_by_key(|hit| (hit.t, hit.primitive));
+            found.extend(hits.into_iter().map(|hit| (at as u32, hit)));
+        }
+    }
+
+    /// Returns the first hits of rays, at most so many.
+    pub fn first_hits(
+        &mut self,
+        (surfaces, structure): (&Surfaces, &Structure),
+        rays: &Rays,
+        (range, most): (Range<usize>, usize),
+        memory: (&mut Stream, &mut Stack),
+    ) -> AllHits {
+        let count = range.len();
+        self.gather(structure, rays, range, memory);
+        let (mut offsets, mut found) = by_ray(&self.found, count);
+        for ray in offsets.windows(2) {
+            let key = |hit: &Hit<f32>| (hit.t.to_bits(), hit.primitive);
+            found[ray[0]..ray[1]].sort_unstable_by_key(key);
+        }
+        keep_first(most, &mut offsets, &mut found);
+        let mut hits = HitColumns::with_len(found.len());
+        let places = offsets
+            .windows(2)
+            .zip(&self.rays.scale)
+            .flat_map(|(ray, scale)| (ray[0]..ray[1]).map(move |at| (at, scale)));
+        for (at, scale) in places {
+            let Hit { t, primitive, u, v } = found[at];
+            let [u, v] = if surfaces.is_sphere(primitive) { [0.0; 2] } else { [u.into(), v.into()] };
+            hits.as_mut().set_numbers(at, [f64::from(t) / scale, u, v]);
+        }
+        let numbers: Vec<u32> = found.iter().map(|hit| hit.primitive).collect();
+        hits.as_mut().set_primitives(surfaces, &numbers);
+        AllHits { offsets, hits }
+    }
+
+    /// Returns how many hits each ray has.
+    pub fn count(
+        &mut self,
+        structure: &Structure,
+        rays: &Rays,
+        range: Range<usize>,
+        memory: (&mut Stream, &mut Stack),
+    ) -> Vec<u32> {
+        let mut counts = vec![0; range.len()];
+        self.gather(structure, rays, range, memory);
+        self.found.iter().for_each(|&(ray, _)| counts[ray as usize] += 1);
+        counts
+    }
 }

@@ -1,6 +1,6 @@
 //! Collects meshes and spheres, and gives their primitives numbers.
 
-use super::input::{Numbers, Points, check};
+use super::input::{Numbers, Points};
 use super::{Error, Intersector, Precision, outside};
 use crate::coordinates::Coordinates;
 use crate::kind::geometry::{Geometry, Sphere};
@@ -77,8 +77,8 @@ impl Surfaces {
     ) -> Result<usize, Error> {
         let (radii, surface) = (radii.into(), self.parts.len());
         let centers = checked(centers.into(), surface)?;
-        check("radii", radii.len(), centers.len())?;
-        let radii: Vec<f64> = (0..radii.len()).map(|at| radii.get(at)).collect();
+        radii.check("radii", centers.len())?;
+        let radii: Vec<f64> = (0..centers.len()).map(|at| radii.get(at)).collect();
         let is_wrong = |radius: &f64| *radius <= 0.0 || outside([*radius]).is_some();
         if let Some(index) = radii.iter().position(is_wrong) {
             return Err(Error::Radius { surface, index, number: radii[index] });
@@ -125,7 +125,9 @@ impl Surfaces {
     /// Returns the corners of a triangle, by its index among all triangles.
     #[inline(always)]
     pub(super) fn corners(&self, index: usize) -> [[f64; 3]; 3] {
-        self.faces[index].map(|vertex| self.vertices[vertex as usize])
+        // Not array::map, which may be a call.
+        let [a, b, c] = self.faces[index];
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
     /// Fetches the indices of a triangle's vertices into the cache.
@@ -138,6 +140,11 @@ impl Surfaces {
     #[inline(always)]
     pub(super) fn prefetch_vertices(&self, index: u32) {
         self.faces[index as usize].iter().for_each(|&vertex| prefetch(&self.vertices[vertex as usize]));
+    }
+
+    /// Tests whether all primitives are triangles of the first surface.
+    pub(super) fn is_one_mesh(&self) -> bool {
+        matches!(self.parts[..], [Part { kind: Kind::Triangle, .. }])
     }
 
     /// Returns the surface of a primitive, and its number there, by its number among all.
@@ -161,12 +168,10 @@ impl Surfaces {
         (number as usize) < self.spheres.len()
     }
 
-    /// Returns the primitives in f32, relative to the middle of all, or to 0 if that is no further than they
-    /// are large.
-    pub(super) fn geometry(&self) -> Geometry {
-        let corner = |face: &[u32; 3]| face.map(|vertex| DVec3::from(self.vertices[vertex as usize]));
+    /// Returns the lower and upper corner of all surfaces.
+    pub(super) fn bounds(&self) -> [DVec3; 2] {
         let of_face = |face: &[u32; 3]| {
-            let [a, b, c] = corner(face);
+            let [a, b, c] = self.corner(face);
             [a.min(b).min(c), a.max(b).max(c)]
         };
         let of_sphere = |&(center, radius): &([f64; 3], f64)| {
@@ -175,11 +180,20 @@ impl Surfaces {
         let nothing = || [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let union = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| [a.min(c), b.max(d)];
         let faces = self.faces.par_iter().with_min_len(PER_THREAD);
-        let bounds = faces.clone().map(of_face).reduce(nothing, union);
-        let [lo, hi] = self.spheres.iter().map(of_sphere).fold(bounds, union);
+        self.spheres.iter().map(of_sphere).fold(faces.map(of_face).reduce(nothing, union), union)
+    }
+
+    fn corner(&self, face: &[u32; 3]) -> [DVec3; 3] {
+        face.map(|vertex| DVec3::from(self.vertices[vertex as usize]))
+    }
+
+    /// Returns the primitives in f32, relative to the middle of their [`Surfaces::bounds`]; in
+    /// [`Precision::Single`] relative to 0 if the middle is no further than they are large.
+    pub(super) fn geometry(&self, [lo, hi]: [DVec3; 2], precision: Precision) -> Geometry {
         let (middle, size) = (lo * 0.5 + hi * 0.5, (hi - lo).max_element());
-        let is_near = !middle.is_finite() || middle.abs().max_element() <= size;
-        let coordinates = Coordinates::around(if is_near { DVec3::ZERO } else { middle }, size);
+        let stays = precision == Precision::Single && middle.abs().max_element() <= size;
+        let origin = if stays || !middle.is_finite() { DVec3::ZERO } else { middle };
+        let coordinates = Coordinates::around(origin, size);
         let to_scene = |point: DVec3| coordinates.to_scene(point).as_vec3();
         let sphere = |&(center, radius): &([f64; 3], f64)| Sphere {
             center: to_scene(center.into()),
@@ -188,7 +202,7 @@ impl Surfaces {
         Geometry {
             coordinates,
             spheres: self.spheres.iter().map(sphere).collect(),
-            triangles: faces.map(|face| corner(face).map(to_scene)).collect(),
+            triangles: self.faces.par_iter().map(|face| self.corner(face).map(to_scene)).collect(),
         }
     }
 }

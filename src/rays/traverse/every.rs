@@ -1,18 +1,19 @@
-//! Visits more than the nearest hit of a ray, one ray at a time: every hit in f32, and every triangle that a
-//! ray in doubles may hit.
+//! Visits more than the nearest hit of rays, one by one or in batches: every hit in f32, and every triangle
+//! that a ray in doubles may hit.
 
 use super::hierarchy::Hierarchy;
 use super::single::descend;
 use super::stack::Stack;
-use super::stream::{Conservative, Padded, Stream, VisitCandidates};
+use super::stream::{ListedRay, Padded, Stream, VisitLeaf};
 use super::structure::{Primitives, Structure};
 use crate::columns::Rays;
 use crate::kernel::ray_box::Padding;
-use crate::kind::triangle::sheared_error;
+use crate::kind::triangle::{Candidate, TriangleLeaf, sheared_error};
 use crate::kind::{Kind, LEAF, List};
 use crate::lane::set_bits;
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::prepared::SingleRay;
+use glam::DVec3;
 
 /// Calls `visit` with every hit of a ray before `end`, in no order, in one descent. The ray is in the
 /// coordinates of the structure, with a direction of unit length.
@@ -45,11 +46,46 @@ pub fn visit_every_hit(
     }
 }
 
-/// From so many extents of rounding on, no f32 says where a ray runs.
-const FAR: f64 = (1_u64 << 30) as f64;
-/// Up to so many extents, rays share the padding of a batch.
-const NEAR: f64 = 1.0 / 16.0;
+/// Calls `visit` with up to [`super::Tracer::BATCH`] rays, by index, and each of their hits before `ends`, in
+/// no order: [`visit_every_hit`] for many rays at once. Returns false, without a visit, if the structure is
+/// no hierarchy of triangles.
+pub fn visit_every_hit_of_batch(
+    structure: &Structure,
+    stream: &mut Stream,
+    rays: &Rays,
+    ends: &mut [f32],
+    visit: impl FnMut(usize, Hit<f32>),
+) -> bool {
+    let Primitives::Tree(hierarchy, _) = &structure.primitives else { return false };
+    if !hierarchy.bvh.leaves[Kind::Sphere as usize].is_empty() {
+        return false;
+    }
+    let padded = Padded { hierarchy, padding: hierarchy.padding };
+    stream.visit_leaves::<false>(padded, rays, ends, EveryHit(visit));
+    true
+}
 
+struct EveryHit<V>(V);
+
+impl<V: FnMut(usize, Hit<f32>)> VisitLeaf for EveryHit<V> {
+    #[inline(always)]
+    fn candidates(&self, listed: &ListedRay, leaf: &TriangleLeaf) -> u32 {
+        leaf.candidates(listed.stored_woop())
+    }
+    #[inline(always)]
+    fn visit(&mut self, listed: &ListedRay, leaf: &TriangleLeaf, candidates: u32) -> Option<f32> {
+        let end = listed.stream_ray.t;
+        leaf.visit(candidates, (&listed.woop(), &listed.stream_ray.box_ray()), &mut |hit| {
+            if hit.t < end {
+                self.0(listed.ray(), hit);
+            }
+        });
+        None
+    }
+}
+
+/// From so many extents of rounding on, no f32 says where a ray runs.
+const TOO_FAR: f64 = (1_u64 << 30) as f64;
 /// A ray in doubles, rounded to f32 for a structure; with its padding, rounding loses no hit.
 ///
 /// Vertices, origin and direction are rounded to f32, by ε of each component: the planes of a box along an
@@ -70,6 +106,19 @@ pub struct RoundedRay {
     moved: f64,
     /// The extent to add.
     extra: f64,
+}
+
+/// The extent to add for moved origins, in units of the distance from which they were moved.
+pub const EXTRA: f64 = 1.0 / (1_u64 << 22) as f64;
+
+/// Origins with a coordinate beyond so many extents are moved, to so many before the point nearest to the
+/// middle.
+pub const FAR: f64 = 4.0;
+pub const BEFORE: f64 = 2.0 * 1.75;
+
+/// Returns the largest coordinate of a structure that has a hierarchy.
+pub fn extent(structure: &Structure) -> f64 {
+    hierarchy(structure).padding.extent().into()
 }
 
 /// Returns the hierarchy of a structure that has one.
@@ -93,33 +142,28 @@ impl RoundedRay {
     pub fn new(structure: &Structure, origin: [f64; 3], direction: [f64; 3]) -> Option<Self> {
         let tree = hierarchy(structure);
         let extent = f64::from(tree.padding.extent());
-        let direction = glam::DVec3::from(direction);
+        let direction = DVec3::from(direction);
         let length = direction.length();
         let unit_direction = direction / length;
         let mut origin = tree.coordinates.to_scene(origin.into());
         let (mut moved, mut extra, mut scale) = (0.0, 0.0, length / tree.coordinates.unit);
         let distance = origin.abs().max_element();
-        if distance > 4.0 * extent {
-            moved = (-origin.dot(unit_direction) - 2.0 * 1.75 * extent).max(0.0);
+        if distance > FAR * extent {
+            moved = (-origin.dot(unit_direction) - BEFORE * extent).max(0.0);
             origin += moved * unit_direction;
-            extra = distance * f64::powi(0.5, 22);
+            extra = distance * EXTRA;
             if origin.abs().max_element() > 8.0 * extent + extra {
                 return None;
             }
-            if extra > FAR * extent {
+            if extra > TOO_FAR * extent {
                 // Every box and every triangle is a candidate, at any distance.
-                (origin, extra) = (glam::DVec3::ZERO, FAR * extent);
+                (origin, extra) = (DVec3::ZERO, TOO_FAR * extent);
                 (moved, scale) = (0.0, f64::INFINITY);
             }
         }
         let ray =
             Ray { origin: Vec3::splat(origin.as_vec3()), direction: Vec3::splat(unit_direction.as_vec3()) };
         Some(Self { ray, scale, moved, extra })
-    }
-
-    /// Tests whether [`visit_candidates_of_batch`] takes the ray.
-    pub fn suits_batch(&self, structure: &Structure) -> bool {
-        self.extra <= NEAR * f64::from(hierarchy(structure).padding.extent())
     }
 
     /// Returns a distance in the structure that is not before `t` of the ray.
@@ -147,26 +191,68 @@ impl RoundedRay {
         descend(tree, &ray, stack, &mut hit, (), |leaf, hit| match leaf.kind() {
             Kind::Sphere => false,
             Kind::Triangle => tree.with_triangles(leaf.index(), |leaf| {
-                set_bits(leaf.conservative_candidates(ray.woop.stored(), &delta, hit.t)).any(|lane| {
-                    hit.t = visit(leaf.primitives.primitives[lane & (LEAF - 1)]).unwrap_or(hit.t);
-                    hit.t < 0.0
-                })
+                let found = leaf.conservative(ray.woop.stored(), &delta);
+                let candidates = found.candidates(&delta, hit.t);
+                for lane in set_bits(candidates) {
+                    let primitive = leaf.primitives.primitives[lane & (LEAF - 1)];
+                    if hit.t >= 0.0 {
+                        hit.t = visit(primitive).unwrap_or(hit.t);
+                    }
+                }
+                hit.t < 0.0
             }),
         });
     }
 }
 
-/// Visits the triangles that up to [`super::Tracer::BATCH`] rays may hit before their `t_max`:
-/// [`RoundedRay::visit_candidates`] for many rays at once. With `ANY`, the order does not matter.
+/// Visits rays and the triangles that they may hit.
+pub trait VisitCandidates {
+    /// Visits a triangle that a ray, by its index, may hit; returns a new end of the ray, below 0 to end its
+    /// search, or `None` to keep the end.
+    fn visit(&mut self, ray: usize, candidate: Candidate) -> Option<f32>;
+    /// Ends the visits of one node; calls `set_end` with rays and new ends.
+    fn finish(&mut self, set_end: impl FnMut(usize, f32));
+}
+
+/// Visits up to [`super::Tracer::BATCH`] rays, by index, and the triangles that they may hit before their
+/// `ends`.
+///
+/// The rays are rounded to f32, and moved, as by [`RoundedRay::new`]. No coordinate of their origins is above
+/// `distance`, and no extent to add above `extra`. With `ANY`, the order does not matter.
 pub fn visit_candidates_of_batch<const ANY: bool>(
     structure: &Structure,
+    [extra, distance]: [f64; 2],
     stream: &mut Stream,
     rays: &Rays,
-    t_max: &mut [f32],
+    ends: &mut [f32],
     visitor: impl VisitCandidates,
 ) {
     let tree = hierarchy(structure);
-    let extent = f64::from(tree.padding.extent());
-    let (padding, delta) = padding(tree, NEAR * extent, (8.0 + NEAR) * extent);
-    Conservative::new(delta, visitor).trace::<ANY>(stream, Padded { hierarchy: tree, padding }, rays, t_max);
+    let (padding, delta) = padding(tree, extra, distance);
+    let padded = Padded { hierarchy: tree, padding };
+    stream.visit_leaves::<ANY>(padded, rays, ends, Candidates { delta, visitor });
+}
+
+struct Candidates<V> {
+    delta: f32,
+    visitor: V,
+}
+
+impl<V: VisitCandidates> VisitLeaf for Candidates<V> {
+    #[inline(always)]
+    fn candidates(&self, listed: &ListedRay, leaf: &TriangleLeaf) -> u32 {
+        leaf.conservative(listed.stored_woop(), &self.delta).candidates(&self.delta, listed.stream_ray.t)
+    }
+    #[inline(always)]
+    fn visit(&mut self, listed: &ListedRay, leaf: &TriangleLeaf, candidates: u32) -> Option<f32> {
+        let (mut new, visitor) = (None, &mut self.visitor);
+        let found = leaf.conservative(listed.stored_woop(), &self.delta);
+        leaf.visit_candidates(candidates, &found, &self.delta, &mut |candidate| {
+            new = visitor.visit(listed.ray(), candidate).or(new);
+        });
+        new
+    }
+    fn finish(&mut self, set_end: impl FnMut(usize, f32)) {
+        self.visitor.finish(set_end);
+    }
 }

@@ -8,7 +8,7 @@
 //! | [`tile`] | primary rays of a tile on the wide tree, each packet in a [`frustum`] |
 //! | [`stream`] | ray streams on the wide tree: batches of rays in any order |
 //! | `beyond` | one ray on the wide tree or list, for hits beyond a lower bound |
-//! | `every` | one ray: every hit, and every triangle that a ray in doubles may hit |
+//! | `every` | one ray or a batch: every hit, and every triangle that rays in doubles may hit |
 //! | `custom` | list or wide tree, with the caller's own tests of primitives |
 //!
 //! A [`Structure`] holds the list or the hierarchy, and a [`Tracer`] runs queries on it. Traversals share
@@ -20,7 +20,7 @@
 mod beyond;
 pub mod counter;
 mod custom;
-mod every;
+pub mod every;
 pub mod frustum;
 pub mod hierarchy;
 mod occluders;
@@ -34,7 +34,5 @@ mod tracer;
 
 pub use crate::kind::List;
 pub use custom::PrimitiveTests;
-pub use every::{RoundedRay, visit_candidates_of_batch, visit_every_hit};
-pub use stream::VisitCandidates;
 pub use structure::{MAX_LIST_COST, Structure};
 pub use tracer::{Tracer, Traversal};

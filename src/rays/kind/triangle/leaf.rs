@@ -5,7 +5,7 @@ use crate::kernel::ray_triangle::{StoredWoopRay, TriangleBlock, TriangleHit, Woo
 use crate::kind::{LEAF, Leaf, inclusive, keep_if_nearer};
 use crate::lane::{Lane, Mask, Native, set_bits};
 use crate::math::{Hit, Vec3};
-use crate::prepared::{Packet, SingleRay};
+use crate::prepared::Packet;
 
 /// Up to [`LEAF`] triangles, 40 bytes each.
 #[derive(Clone, Copy, Debug)]
@@ -59,12 +59,19 @@ impl TriangleLeaf {
         }
     }
 
-    /// Calls `visit` with each hit of a ray.
-    pub fn visit(&self, ray: &SingleRay, visit: &mut impl FnMut(Hit<f32>)) {
-        for lane in set_bits(self.candidates(ray.woop.stored())) {
+    /// Calls `visit` with the hits of a ray with the triangles whose bits are set.
+    #[inline(always)]
+    pub fn visit(
+        &self,
+        candidates: u32,
+        (woop, box_ray): (&WoopRay<f32>, &BoxRay<f32>),
+        visit: &mut impl FnMut(Hit<f32>),
+    ) {
+        for lane in set_bits(candidates) {
             let corners = self.corners(lane).map(|[x, y, z]| Vec3::new(x, y, z));
-            if let Some(found) = ray.woop.test_one(corners) {
-                visit_found(&found, box_of(corners), self.primitives.primitives[lane], ray, visit);
+            if let Some(found) = woop.test_one(corners) {
+                let primitive = self.primitives.primitives[lane & (LEAF - 1)];
+                visit_found(&found, box_of(corners), primitive, box_ray, visit);
             }
         }
     }
@@ -144,10 +151,10 @@ pub(super) fn visit_found(
     found: &TriangleHit<f32>,
     bounds: (Vec3<f32>, Vec3<f32>),
     primitive: u32,
-    ray: &SingleRay,
+    box_ray: &BoxRay<f32>,
     visit: &mut impl FnMut(Hit<f32>),
 ) {
-    let (is_hit, t) = own_box(&ray.box_ray, bounds, found.mask, found.t, f32::INFINITY);
+    let (is_hit, t) = own_box(box_ray, bounds, found.mask, found.t, f32::INFINITY);
     if is_hit {
         visit(Hit { t, primitive, u: found.u, v: found.v });
     }

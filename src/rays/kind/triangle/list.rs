@@ -37,7 +37,7 @@ impl List {
         for (number, triangle) in (self.first..).zip(&self.triangles) {
             if let Some(found) = ray.woop.test(triangle) {
                 let [lo, hi] = triangle.own_box().map(Vec3::splat);
-                visit_found(&found, (lo, hi), number, ray, visit);
+                visit_found(&found, (lo, hi), number, &ray.box_ray, visit);
             }
         }
     }

@@ -7,7 +7,7 @@ mod list;
 
 pub(crate) use compact::MIN_LEAVES_PER_THREAD;
 pub use compact::{Layout, TriangleLeaves};
-pub use conservative::sheared_error;
+pub use conservative::{Candidate, sheared_error};
 pub use leaf::{TriangleLeaf, box_of, intersect_one};
 pub use list::List;
 

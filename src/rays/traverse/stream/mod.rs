@@ -12,10 +12,10 @@
 //! Source: Tsakok, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.
 
 mod boxes;
-mod conservative;
 mod hit_batch;
 mod listed;
 mod stream_ray;
+mod visiting;
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
@@ -27,11 +27,11 @@ use crate::lane::compaction::{CHUNK, compress_where};
 use crate::lane::{Bits, F32x8, Lane, set_bits};
 use crate::math::Ray;
 use boxes::pass_boxes;
-pub use conservative::{Conservative, VisitCandidates};
 use hit_batch::HitBatch;
-pub use listed::BATCH;
-use listed::{ListedRay, entry_of, update_hit};
+pub use listed::{BATCH, ListedRay};
+use listed::{entry_of, update_hit};
 use stream_ray::StreamRay;
+pub use visiting::VisitLeaf;
 
 /// From this many pairs of a ray and a leaf on, triangles are tested in two loops. Values from 16 to 128 are
 /// equal within 2 %.

@@ -1,0 +1,82 @@
+//! Visits leaves of triangles with rays in streams, for queries about more than the nearest hit.
+
+use super::listed::{BATCH, ListedRay};
+use super::{LeafTests, Padded, Stream, StreamTraversal};
+use crate::bvh::{WIDE, WideNode};
+use crate::columns::{Hits, Rays};
+use crate::kind::triangle::TriangleLeaf;
+use crate::lane::compaction::{CHUNK, compress_where};
+use crate::traverse::counter::CounterSink;
+
+/// Visits rays and leaves of triangles whose boxes they pass.
+pub trait VisitLeaf {
+    /// Returns the triangles of a leaf to visit, one bit each.
+    fn candidates(&self, listed: &ListedRay, leaf: &TriangleLeaf) -> u32;
+    /// Visits these candidates; returns a new end of the ray, below 0 to end its search, or `None` to keep
+    /// the end.
+    fn visit(&mut self, listed: &ListedRay, leaf: &TriangleLeaf, candidates: u32) -> Option<f32>;
+    /// Ends the visits of one node; calls `set_end` with rays and new ends.
+    fn finish(&mut self, _set_end: impl FnMut(usize, f32)) {}
+}
+
+/// The leaf tests that a visitor makes.
+struct Visiting<V>(V);
+
+impl Stream {
+    /// Visits the leaves of triangles whose boxes up to [`BATCH`] rays pass before their `t_max`. With `ANY`,
+    /// the order of nodes is arbitrary.
+    pub fn visit_leaves<const ANY: bool>(
+        &mut self,
+        padded: Padded,
+        rays: &Rays,
+        t_max: &mut [f32],
+        visitor: impl VisitLeaf,
+    ) {
+        assert!(rays.len() <= BATCH, "{} rays in a batch of {BATCH}", rays.len());
+        if !rays.is_empty() {
+            let mut hits = Hits { t: t_max, primitive: &mut [], u: &mut [], v: &mut [] };
+            self.trace_batch::<ANY, _>(padded, rays, &mut hits, (), Visiting(visitor));
+        }
+    }
+}
+
+impl<V: VisitLeaf> LeafTests for Visiting<V> {
+    #[inline(never)]
+    fn triangle_leaves<const ANY: bool>(
+        rays: &mut StreamTraversal<'_, '_, impl CounterSink, Self>,
+        node: &WideNode,
+        reached: u32,
+        start: usize,
+        [paired, _]: [usize; 2],
+    ) {
+        let StreamTraversal { stream, hierarchy, tests, .. } = rays;
+        let Stream { stream_rays, lists, slots, masks, found, iota, leaves, .. } = &mut **stream;
+        let leaves = hierarchy.triangle_leaves(node, reached, leaves);
+        let leaf_of = |slot: u8| leaves[usize::from(slot) & (WIDE - 1)];
+        // Two loops, as in `triangles_then_hits`.
+        for (entries, slots) in lists[start..start + paired].chunks(BATCH).zip(slots.chunks(BATCH)) {
+            for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
+                *mask = tests.0.candidates(&ListedRay::new(entry, stream_rays), leaf_of(slot)) as u16;
+            }
+            masks[entries.len()..entries.len() + CHUNK].fill(0);
+            let chunks = iota.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
+            let mut top = 0;
+            for (iota, masks) in chunks.take(entries.len().div_ceil(CHUNK)) {
+                let to = found[top..].first_chunk_mut().expect("`found` has room for all pairs");
+                top += compress_where(iota, masks, u16::MAX, to);
+            }
+            for &place in &found[..top] {
+                let place = usize::from(place) & (BATCH - 1);
+                let listed = ListedRay::new(entries[place], stream_rays);
+                if ANY && listed.stream_ray.t < 0.0 {
+                    continue;
+                }
+                let (ray, leaf) = (listed.ray(), leaf_of(slots[place]));
+                if let Some(end) = tests.0.visit(&listed, leaf, masks[place].into()) {
+                    stream_rays[ray].t = end;
+                }
+            }
+        }
+        tests.0.finish(|ray, end| stream_rays[ray].t = end);
+    }
+}

@@ -1,32 +1,52 @@
 //! Meshes, and queries about rays and points.
 
 use crate::pool::{in_parts, pool};
-use bytemuck::cast_slice;
+use bytemuck::allocation::cast_vec;
+use bytemuck::{cast_slice, cast_slice_mut};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use octray_rays::Tracer;
-use octray_rays::query::{AllHits, Error, Intersector, Points, Precision, Rays, Surfaces, Threads};
+use octray_rays::lane::prefetch;
+use octray_rays::query::{
+    AllHits, Error, HitsMut, Intersector, MISS, Numbers, Points, Precision, Rays, Surfaces, Threads,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::ops::Range;
 
-/// A C-contiguous array of n points or vectors.
+/// A C-contiguous array of n points or vectors, or one for all.
 #[derive(FromPyObject)]
 pub enum Triples<'py> {
     F32(PyReadonlyArray2<'py, f32>),
     F64(PyReadonlyArray2<'py, f64>),
+    Same([f64; 3]),
 }
 
 impl Triples<'_> {
     fn points(&self) -> PyResult<Points<'_>> {
         Ok(match self {
+            Self::Same(point) => Points::same(*point),
             Self::F32(array) => Points::F32(cast_slice(array.as_slice()?)),
             Self::F64(array) => Points::F64(cast_slice(array.as_slice()?)),
         })
     }
 }
 
-/// The ends of rays, as an array or none.
-type Ends<'py> = Option<PyReadonlyArray1<'py, f64>>;
+/// The ends of rays: one for all, or an array.
+#[derive(FromPyObject)]
+pub enum Ends<'py> {
+    Same(f64),
+    Each(PyReadonlyArray1<'py, f64>),
+}
+
+impl Ends<'_> {
+    fn numbers(&self) -> PyResult<Numbers<'_>> {
+        Ok(match self {
+            Self::Same(number) => Numbers::Same(*number),
+            Self::Each(array) => Numbers::F64(array.as_slice()?),
+        })
+    }
+}
+
 /// Origins, directions, t_min and t_max.
 type RayArrays<'py> = (Triples<'py>, Triples<'py>, Ends<'py>, Ends<'py>);
 /// t, primitive, u and v.
@@ -38,14 +58,8 @@ type HitArrays<'py> = (
 );
 
 fn rays<'a>((origins, directions, t_min, t_max): &'a RayArrays) -> PyResult<Rays<'a>> {
-    let mut rays = Rays::new(origins.points()?, directions.points()?);
-    if let Some(t_min) = t_min {
-        rays = rays.after(t_min.as_slice()?);
-    }
-    if let Some(t_max) = t_max {
-        rays = rays.until(t_max.as_slice()?);
-    }
-    Ok(rays)
+    let rays = Rays::new(origins.points()?, directions.points()?);
+    Ok(rays.after(t_min.numbers()?).until(t_max.numbers()?))
 }
 
 /// Returns an error of a part that begins with a ray as that of the whole.
@@ -66,23 +80,21 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Calls `query` for parts of the rays, on all threads if there are enough of them.
-    fn for_parts<T: Send>(
+    /// Calls `run` for parts of the rays, on all threads if there are enough of them.
+    fn for_parts(
         &self,
         py: Python,
         count: usize,
-        query: impl Fn(&Intersector, Range<usize>) -> Result<T, Error> + Sync,
-        mut keep: impl FnMut(Range<usize>, T) + Send,
+        mut run: impl FnMut(&Intersector, Range<usize>) -> Result<(), Error> + Send,
     ) -> PyResult<()> {
         let caller = self.intersector.clone().with_threads(Threads::Caller);
         let pool = (self.threads > 1 && count > Tracer::BATCH).then(|| pool(py, self.threads));
         in_parts(py, (count, self.threads), |range| {
             let answer = match pool {
-                Some(pool) => pool.install(|| query(&self.intersector, range.clone())),
-                None => query(&caller, range.clone()),
+                Some(pool) => pool.install(|| run(&self.intersector, range.clone())),
+                None => run(&caller, range.clone()),
             };
-            keep(range.clone(), answer.map_err(|fault| error(fault, range.start))?);
-            Ok(())
+            answer.map_err(|fault| error(fault, range.start))
         })
     }
 
@@ -96,15 +108,35 @@ impl Mesh {
         let array = PyArray1::zeros(py, count, false);
         let mut writable = array.readwrite();
         let out = writable.as_slice_mut()?;
-        self.for_parts(py, count, query, |range, values| out[range].copy_from_slice(&values))?;
+        self.for_parts(py, count, |of, range| {
+            out[range.clone()].copy_from_slice(&query(of, range)?);
+            Ok(())
+        })?;
         drop(writable);
         Ok(array)
     }
 
-    fn all(&self, py: Python, rays: Rays, max_hits: usize) -> PyResult<AllHits> {
+    /// Finds the first hits of rays, and writes them into columns.
+    fn closest_to(&self, py: Python, rays: &Rays, hits: HitsMut) -> PyResult<()> {
+        let HitsMut { t, surface: _, primitive, u, v } = hits;
+        self.for_parts(py, rays.len(), |of, range| {
+            let part = HitsMut {
+                t: part(t, &range),
+                surface: &mut [],
+                primitive: part(primitive, &range),
+                u: part(u, &range),
+                v: part(v, &range),
+            };
+            of.closest_to(&rays.range(range), part)
+        })
+    }
+
+    fn all(&self, py: Python, rays: &Rays, max_hits: usize) -> PyResult<AllHits> {
         let mut all = AllHits::default();
-        let query = |of: &Intersector, range| of.first_hits(&rays.range(range), max_hits);
-        self.for_parts(py, rays.len(), query, |_, part| all.append(part))?;
+        self.for_parts(py, rays.len(), |of, range| {
+            all.append(of.first_hits(&rays.range(range), max_hits)?);
+            Ok(())
+        })?;
         Ok(all)
     }
 
@@ -112,8 +144,10 @@ impl Mesh {
     fn location(&self, origin: [f64; 3], direction: [f64; 3], (t, face): (f64, u32)) -> [f64; 3] {
         let mut t = t;
         if self.precision == Precision::Single {
-            let corners = self.intersector.faces()[face as usize];
-            let [a, b, c] = corners.map(|vertex| self.intersector.vertices()[vertex as usize]);
+            let [a, b, c] = self.intersector.faces()[face as usize];
+            // Not array::map, which may be a call.
+            let vertex = |vertex: u32| self.intersector.vertices()[vertex as usize];
+            let (a, b, c) = (vertex(a), vertex(b), vertex(c));
             let sub = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
             let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
             let (p, q) = (sub(b, a), sub(c, a));
@@ -162,29 +196,34 @@ impl Mesh {
 
     fn closest<'py>(&self, py: Python<'py>, rays: RayArrays) -> PyResult<HitArrays<'py>> {
         let rays = self::rays(&rays)?;
-        let count = rays.len();
-        let [t, u, v] = std::array::from_fn(|_| PyArray1::<f64>::zeros(py, count, false));
-        let primitive = PyArray1::<i32>::zeros(py, count, false);
+        let [t, u, v] = std::array::from_fn(|_| PyArray1::<f64>::zeros(py, rays.len(), false));
+        let primitive = PyArray1::<i32>::zeros(py, rays.len(), false);
         {
-            let mut of = [&t, &u, &v].map(|array| array.readwrite());
-            let mut of_primitive = primitive.readwrite();
-            let numbers = of_primitive.as_slice_mut()?;
-            let [t, u, v] = &mut of;
-            let (t, u, v) = (t.as_slice_mut()?, u.as_slice_mut()?, v.as_slice_mut()?);
-            self.for_parts(
-                py,
-                count,
-                |of, range| of.closest(&rays.range(range)),
-                |range, hits| {
-                    t[range.clone()].copy_from_slice(&hits.t);
-                    u[range.clone()].copy_from_slice(&hits.u);
-                    v[range.clone()].copy_from_slice(&hits.v);
-                    // The number of a miss becomes −1.
-                    numbers[range].iter_mut().zip(&hits.primitive).for_each(|(to, from)| *to = *from as i32);
-                },
-            )?;
+            let (mut t, mut u, mut v) = (t.readwrite(), u.readwrite(), v.readwrite());
+            let mut primitive = primitive.readwrite();
+            let hits = HitsMut {
+                t: t.as_slice_mut()?,
+                surface: &mut [],
+                // The number of a miss becomes −1.
+                primitive: cast_slice_mut(primitive.as_slice_mut()?),
+                u: u.as_slice_mut()?,
+                v: v.as_slice_mut()?,
+            };
+            self.closest_to(py, &rays, hits)?;
         }
         Ok((t, primitive, u, v))
+    }
+
+    /// Returns the first face of each ray, or −1.
+    fn first<'py>(&self, py: Python<'py>, rays: RayArrays) -> PyResult<Bound<'py, PyArray1<i32>>> {
+        let rays = self::rays(&rays)?;
+        let faces = PyArray1::<i32>::zeros(py, rays.len(), false);
+        {
+            let mut faces = faces.readwrite();
+            let primitive = cast_slice_mut(faces.as_slice_mut()?);
+            self.closest_to(py, &rays, HitsMut { primitive, ..HitsMut::default() })?;
+        }
+        Ok(faces)
     }
 
     fn occluded<'py>(&self, py: Python<'py>, rays: RayArrays) -> PyResult<Bound<'py, PyArray1<bool>>> {
@@ -209,7 +248,7 @@ impl Mesh {
         rays: RayArrays,
         max_hits: usize,
     ) -> PyResult<(Bound<'py, PyArray1<i64>>, HitArrays<'py>)> {
-        let AllHits { offsets, hits } = self.all(py, self::rays(&rays)?, max_hits)?;
+        let AllHits { offsets, hits } = self.all(py, &self::rays(&rays)?, max_hits)?;
         let primitive = hits.primitive.into_iter().map(|number| number as i32);
         let offsets = PyArray1::from_iter(py, offsets.into_iter().map(|offset| offset as i64));
         let [t, u, v] = [hits.t, hits.u, hits.v].map(|column| PyArray1::from_vec(py, column));
@@ -217,48 +256,94 @@ impl Mesh {
     }
 
     /// Returns face, ray and location of all hits: the first hits of all rays, then the second ones, and so
-    /// on. Hits of a ray that are no further than `apart` from each other, which is a factor of t and a
-    /// length, are one.
+    /// on. Hits of a ray whose t differs less than by the factor `apart` are one.
     #[allow(clippy::type_complexity)]
     fn hits_by_depth<'py>(
         &self,
         py: Python<'py>,
         rays: RayArrays,
         max_hits: usize,
-        apart: [f64; 2],
+        apart: f64,
     ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>)> {
         let (origins, directions) = (rays.0.points()?, rays.1.points()?);
+        let hits = self.kept(py, &self::rays(&rays)?, max_hits, apart)?;
+        let columns = py.detach(|| {
+            let mut next = vec![0; hits.iter().map(|hit| hit.depth + 1).max().unwrap_or(0)];
+            hits.iter().for_each(|hit| next[hit.depth] += 1);
+            let mut first = 0;
+            next.iter_mut().for_each(|next| (*next, first) = (first, first + *next));
+            let (mut faces, mut of_rays) = (vec![0; hits.len()], vec![0; hits.len()]);
+            let mut locations = vec![[0.0; 3]; hits.len()];
+            for (at, &Kept { depth, ray, t, face }) in hits.iter().enumerate() {
+                self.prefetch(&hits[at..]);
+                let to = next[depth];
+                next[depth] += 1;
+                (faces[to], of_rays[to]) = (i64::from(face), i64::from(ray));
+                let ray = ray as usize;
+                locations[to] = self.location(origins.get(ray), directions.get(ray), (t, face));
+            }
+            (faces, of_rays, locations)
+        });
+        let (faces, of_rays, locations) = columns;
+        let locations =
+            PyArray1::from_vec(py, cast_vec::<[f64; 3], f64>(locations)).reshape([hits.len(), 3])?;
+        Ok((PyArray1::from_vec(py, faces), PyArray1::from_vec(py, of_rays), locations))
+    }
+}
+
+/// A hit among the hits of its ray.
+struct Kept {
+    depth: usize,
+    ray: u32,
+    face: u32,
+    t: f64,
+}
+
+impl Mesh {
+    /// Returns the hits of [`Mesh::hits_by_depth`], ray by ray.
+    fn kept(&self, py: Python, rays: &Rays, max_hits: usize, apart: f64) -> PyResult<Vec<Kept>> {
+        if max_hits == 1 {
+            let (mut t, mut primitive) = (vec![0.0; rays.len()], vec![0; rays.len()]);
+            let hits = HitsMut { t: &mut t, primitive: &mut primitive, ..HitsMut::default() };
+            self.closest_to(py, rays, hits)?;
+            let hits = (0..).zip(primitive).zip(t).filter(|((_, face), _)| *face != MISS);
+            return Ok(hits.map(|((ray, face), t)| Kept { depth: 0, ray, face, t }).collect());
+        }
         // Duplicates do not count, so more hits than `max_hits` may be needed.
-        let AllHits { offsets, hits } = self.all(py, self::rays(&rays)?, max_hits.saturating_mul(8))?;
-        let mut by_depth: Vec<[Vec<i64>; 2]> = Vec::new();
-        let mut locations: Vec<Vec<[f64; 3]>> = Vec::new();
-        py.detach(|| {
-            for (ray, range) in offsets.windows(2).enumerate() {
-                let (mut last, mut depth) = (f64::NEG_INFINITY, 0);
-                for at in range[0]..range[1] {
-                    let t = hits.t[at];
-                    if depth == max_hits || t - last <= apart[0] * t + apart[1] {
-                        continue;
-                    }
-                    if depth == by_depth.len() {
-                        by_depth.push(Default::default());
-                        locations.push(Vec::new());
-                    }
-                    let face = hits.primitive[at];
-                    by_depth[depth][0].push(face.into());
-                    by_depth[depth][1].push(ray as i64);
-                    let (origin, direction) = (origins.get(ray), directions.get(ray));
-                    locations[depth].push(self.location(origin, direction, (t, face)));
+        let AllHits { offsets, hits } = self.all(py, rays, max_hits.saturating_mul(8))?;
+        let mut kept = Vec::with_capacity(hits.len());
+        for (ray, range) in (0..).zip(offsets.windows(2)) {
+            let (mut last, mut depth) = (f64::NEG_INFINITY, 0);
+            for (&t, &face) in hits.t[range[0]..range[1]].iter().zip(&hits.primitive[range[0]..range[1]]) {
+                if depth < max_hits && t - last > apart * t {
+                    kept.push(Kept { depth, ray, face, t });
                     (last, depth) = (t, depth + 1);
                 }
             }
-        });
-        let [faces, of_rays] = [0, 1].map(|column| {
-            let all: Vec<i64> = by_depth.iter().flat_map(|depth| &depth[column]).copied().collect();
-            PyArray1::from_vec(py, all)
-        });
-        Ok((faces, of_rays, array(py, &locations.concat())?))
+        }
+        Ok(kept)
     }
+
+    /// Fetches what [`Mesh::location`] will read for one of the next hits.
+    #[inline(always)]
+    fn prefetch(&self, next: &[Kept]) {
+        if self.precision == Precision::Single {
+            let faces = self.intersector.faces();
+            if let Some(hit) = next.get(16) {
+                prefetch(&faces[hit.face as usize]);
+            }
+            if let Some(hit) = next.get(8) {
+                faces[hit.face as usize]
+                    .iter()
+                    .for_each(|&vertex| prefetch(&self.intersector.vertices()[vertex as usize]));
+            }
+        }
+    }
+}
+
+/// Returns a part of a column, which may be empty.
+fn part<'a, T>(column: &'a mut [T], range: &Range<usize>) -> &'a mut [T] {
+    if column.is_empty() { &mut [] } else { &mut column[range.clone()] }
 }
 
 /// Returns rows of three numbers as an array.

@@ -68,13 +68,13 @@ def _triples(name: str, values: ArrayLike) -> NDArray[Any]:
     return np.require(array, np.float32 if array.dtype == np.float32 else np.float64, ["C", "A"])
 
 
-def _ends(name: str, values: Optional[ArrayLike], count: int) -> Optional[NDArray[np.float64]]:
-    if values is None:
-        return None
-    array = np.asarray(values, np.float64)
-    if array.shape not in [(), (count,)]:
+def _ends(name: str, values: Optional[ArrayLike], default: float, count: int) -> Any:
+    array = np.asarray(default if values is None else values, np.float64)
+    if array.shape == ():
+        return float(array)
+    if array.shape != (count,):
         raise ValueError(f"{name}: the shape is {array.shape} instead of () or ({count},)")
-    return np.require(np.broadcast_to(array, count), None, ["C", "A"])
+    return np.require(array, None, ["C", "A"])
 
 
 def _rays(
@@ -83,11 +83,15 @@ def _rays(
     t_min: Optional[ArrayLike] = None,
     t_max: Optional[ArrayLike] = None,
 ) -> tuple:
-    origins, directions = _triples("origins", origins), _triples("directions", directions)
-    if origins.shape != directions.shape:
-        raise ValueError(f"origins {origins.shape} and directions {directions.shape} differ in shape")
-    count = len(origins)
-    return origins, directions, _ends("t_min", t_min, count), _ends("t_max", t_max, count)
+    origins, directions = np.asanyarray(origins), np.asanyarray(directions)
+    shapes = origins.shape, directions.shape
+    # One triple for all is passed as a tuple.
+    origins = tuple(map(float, origins)) if shapes[0] == (3,) else _triples("origins", origins)
+    directions = tuple(map(float, directions)) if shapes[1] == (3,) else _triples("directions", directions)
+    if shapes[0] != shapes[1] and (3,) not in shapes or shapes == ((3,), (3,)):
+        raise ValueError(f"origins {shapes[0]} and directions {shapes[1]}: use (n, 3) twice, or once and (3,)")
+    count = max(shape[0] for shape in shapes if shape != (3,))
+    return origins, directions, _ends("t_min", t_min, 0.0, count), _ends("t_max", t_max, np.inf, count)
 
 
 def _threads(threads: Optional[int]) -> int:
@@ -179,7 +183,8 @@ class Mesh:
         Parameters
         ----------
         origins, directions : (n, 3) float32 or float64
-            Directions have any length, which is the unit of t. C-contiguous arrays are read in place.
+            Directions have any length, which is the unit of t. C-contiguous arrays are read in place. One of
+            the two may be (3,), the same for all.
         t_min, t_max : float or (n,) float, optional
             By default 0 and infinity.
 

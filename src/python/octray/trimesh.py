@@ -45,7 +45,7 @@ class RayMeshIntersector:
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[np.int32]:
         """Find the first face of each ray, or -1."""
-        return self._mesh().closest(ray_origins, ray_directions, -1.0).primitive
+        return self._mesh()._mesh.first(_rays(ray_origins, ray_directions, -1.0))
 
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[np.bool_]:
         """Test which rays hit the mesh."""
@@ -85,8 +85,7 @@ class RayMeshIntersector:
         low, high = self.mesh.bounds
         left = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
         for direction in (_DIRECTION, np.random.default_rng(0).random(3) - 0.5):
-            along = np.broadcast_to(direction, (len(left), 3))
-            there, back = mesh.count(points[left], along), mesh.count(points[left], -along)
+            there, back = mesh.count(points[left], direction), mesh.count(points[left], -direction)
             agree = there % 2 == back % 2
             inside[left[agree]] = there[agree] % 2 == 1
             left = left[~agree & (there > 0) & (back > 0)]
@@ -98,7 +97,7 @@ class RayMeshIntersector:
         if not multiple:
             most = min(most, 1)
         # Two faces that share an edge give its t with different roundings.
-        apart = (1e-14, 0.0) if mesh.precision == "exact" else (1e-6, 0.0)
+        apart = 1e-14 if mesh.precision == "exact" else 1e-6
         return mesh._mesh.hits_by_depth(rays, most, apart)
 
     def __getstate__(self) -> dict:

@@ -94,6 +94,12 @@ def test_layouts_and_types_give_the_same_answers():
     ]:
         hits = octray.Mesh(change(vertices), faces.astype(np.uint16)).closest(change(origins), change(directions))
         assert all((a == b).all() for a, b in zip(hits, expected))
+    mesh = octray.Mesh(vertices, faces)
+    for one in [origins[0], origins[0].tolist()]:
+        hits, same = mesh.closest(one, directions), mesh.closest(np.tile(origins[0], (2000, 1)), directions)
+        assert all((a == b).all() for a, b in zip(hits, same)) and (hits.primitive >= 0).any()
+    upwards = np.tile([0.0, 0.0, 2.0], (2000, 1))
+    assert (mesh.count(origins, (0, 0, 2)) == mesh.count(origins, upwards)).all()
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -124,7 +130,8 @@ def test_errors_name_shapes_and_rays():
     mesh = octray.Mesh(vertices, faces)
     origins, directions = rays(40_000)
     for part, call in [
-        (r"origins: the shape is \(3,\)", lambda: mesh.closest(origins[0], directions)),
+        (r"origins: the shape is \(40000, 2\)", lambda: mesh.closest(origins[:, :2], directions)),
+        (r"origins \(3,\) and directions \(3,\): use", lambda: mesh.closest(origins[0], directions[0])),
         (r"\(40000, 3\) and directions \(2, 3\)", lambda: mesh.occluded(origins, directions[:2])),
         (r"t_max: the shape is \(2,\) instead of \(\) or \(40000,\)", lambda: mesh.count(origins, directions, 0, [1, 2])),
         (r"vertex 12; the vertices are \(12, 3\)", lambda: octray.Mesh(vertices, [[0, 1, 12]])),

@@ -9,6 +9,7 @@
 
 pub mod boxes;
 mod cameras;
+mod doubles;
 mod lights;
 pub mod meshes;
 pub mod methods;
@@ -36,6 +37,7 @@ static TEST_CASES: LazyLock<Vec<TestCase>> = LazyLock::new(|| {
     let files = [
         spheres::test_cases(),
         meshes::test_cases(),
+        doubles::test_cases(),
         triangles::test_cases(),
         boxes::test_cases(),
         spawn::test_cases(),

@@ -348,7 +348,7 @@ fn random_scenes_have_the_same_finite_bits_at_every_width() {
 }
 
 #[test]
-#[ignore = "10,000 scenes"]
-fn ten_thousand_random_scenes_have_the_same_finite_bits_at_every_width() {
-    assert_no_fault(500..10_500);
+#[ignore = "minutes: run by .ci/run"]
+fn three_thousand_random_scenes_have_the_same_finite_bits_at_every_width() {
+    assert_no_fault(500..3_500);
 }

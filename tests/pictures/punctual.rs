@@ -76,6 +76,18 @@ fn each_kind_has_its_closed_form() {
     }
 }
 
+/// Rays leave a huge primitive a fifth of the light's distance above it.
+#[test]
+fn points_near_a_huge_floor_keep_their_closed_form() {
+    for height in [0.2_f32, 0.02] {
+        let triangles = vec![triangle(ground(1e4, 0.0), 0)];
+        let scene = Scene { triangles, ..under(vec![point(height * Vec3::Y)]) };
+        let (mean, _) = red(&scene, LightChoice::Auto, 16);
+        let expected = 5.0 / f64::from(height * height) / PI;
+        assert!((mean - expected).abs() < 0.1 * expected, "{height}: {mean}, {expected}");
+    }
+}
+
 #[test]
 fn shadows_end_at_the_light() {
     let blocked = |height: f32| {

@@ -63,7 +63,14 @@ pub fn sample_direct_light<L: Lane, const N: u64>(
     let (light, u) = lights.choose::<L, N>((surface.point, n), u, numbers);
     // The origin of scattered rays, so that BSDF sampling of the same direction has the same light pdf.
     let origin = side.origin(scattered.offset_origin, at);
-    let sample = lights.sample::<L, N>(&light, origin, (u, v), mask);
+    let mut from = origin;
+    if has(N, Features::PUNCTUAL_LIGHTS) {
+        // On a huge primitive the offset may be no less than the distance of a point or spot, which no BSDF
+        // sampling finds.
+        let outward = side.flip(surface.ng.flip_sign(-path.ray.direction.dot(surface.ng)));
+        from = Vec3::select(light.is_delta(), outward.mul_add(-surface.offset, origin), origin);
+    }
+    let sample = lights.sample::<L, N>(&light, from, (u, v), mask);
     let emission = emission::<L, N>(context, at, &light, &sample);
 
     let lobes = (material, &scattered.plastic);

@@ -6,6 +6,7 @@
 //! | query | answer for each ray or point |
 //! |---|---|
 //! | [`Intersector::closest`] | the first hit: t, surface, primitive, barycentric weights |
+//! | [`Intersector::closest_to`] | the same, written into columns of the caller: all, or some of them |
 //! | [`Intersector::occluded`] | whether there is a hit |
 //! | [`Intersector::all_hits`] | every hit, in order |
 //! | [`Intersector::count`] | how many surfaces the ray crosses |

@@ -309,8 +309,8 @@ impl Mesh {
             let hits = (0..).zip(primitive).zip(t).filter(|((_, face), _)| *face != MISS);
             return Ok(hits.map(|((ray, face), t)| Kept { depth: 0, ray, face, t }).collect());
         }
-        // Duplicates do not count, so more hits than `max_hits` may be needed.
-        let AllHits { offsets, hits } = self.all(py, rays, max_hits.saturating_mul(8))?;
+        // Many hits may be one.
+        let AllHits { offsets, hits } = self.all(py, rays, usize::MAX)?;
         let mut kept = Vec::with_capacity(hits.len());
         for (ray, range) in (0..).zip(offsets.windows(2)) {
             let (mut last, mut depth) = (f64::NEG_INFINITY, 0);

@@ -36,7 +36,7 @@ pub fn in_parts(
     mut run: impl FnMut(Range<usize>) -> PyResult<()> + Send,
 ) -> PyResult<()> {
     // Rays may be slow: the first part is short.
-    let (mut start, mut length) = (0, Tracer::BATCH / 16 * threads);
+    let (mut start, mut length) = (0, Tracer::BATCH / 256 * threads);
     while start < count {
         let (end, begun) = (count.min(start + length), Instant::now());
         py.detach(|| run(start..end))?;

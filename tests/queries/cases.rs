@@ -181,7 +181,11 @@ impl Mesh {
         let unit = 1.0 / direction.map(|x| x * x).iter().sum::<f64>().sqrt();
         let unit = if unit.is_finite() { unit } else { 1.0 };
         let length = [1.0, unit, unit * (1.0 + 3e-7), 1e-3, 1e5][rng.index(5)];
-        let direction = direction.map(|x| x * length);
+        let mut direction = direction.map(|x| x * length);
+        if rng.index(16) == 0 {
+            // As rotations leave them.
+            direction[rng.index(3)] = 2.3e-49;
+        }
         let end = |rng: &mut Rng| [0.0, 1.0, 2.0, 1.0 / length, 2.0 / length, 0.5][rng.index(6)];
         let range = match rng.index(3) {
             0 => [end(rng), f64::INFINITY],

@@ -35,7 +35,8 @@ fn is_hit_at(hit: &Hit, hits: &HitColumns, at: usize) -> bool {
 
 /// Whether a coordinate is closer to 0 than those that exact queries take.
 fn is_refused(ray: &Ray) -> bool {
-    ray.origin.iter().chain(&ray.direction).any(|x| *x != 0.0 && x.abs() < 2.0_f64.powi(-120))
+    let any = |point: &Point, least: f64| point.iter().any(|x| *x != 0.0 && x.abs() < least);
+    any(&ray.origin, 2.0_f64.powi(-120)) || any(&ray.direction, 2.0_f64.powi(-162))
 }
 
 /// Compares the answers for some rays and one mesh; returns the numbers of hits, and of rays at which a

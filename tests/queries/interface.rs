@@ -95,6 +95,26 @@ fn single_precision_is_that_of_the_tracer() {
     }
 }
 
+/// As both are rounded, t_min < t < t_max holds to the last bit.
+#[test]
+fn ends_one_bit_beside_a_hit_decide() {
+    let mut rng = Rng(7);
+    let mesh = crowd(&mut rng, 100);
+    let [origins, directions] = rays_to_crowd(&mut rng);
+    let rays = Rays::new(&origins, &directions);
+    let intersector = built(from_ref(&mesh), Precision::Single);
+    let HitColumns { t, primitive, .. } = intersector.closest(&rays).unwrap();
+    let moved = |by: fn(f64) -> f64| t.iter().map(|&t| by(t)).collect::<Vec<_>>();
+    let (below, above) = (moved(f64::next_down), moved(f64::next_up));
+    let after = |ends: &Vec<f64>| intersector.closest(&rays.after(ends)).unwrap().primitive;
+    let before = |ends: &Vec<f64>| intersector.occluded(&rays.until(ends)).unwrap();
+    let (found, behind, at_end, behind_it) = (after(&below), after(&t), before(&t), before(&above));
+    for at in (0..t.len()).filter(|&at| primitive[at] != MISS) {
+        assert!(found[at] == primitive[at] && behind[at] != primitive[at], "{}", t[at]);
+        assert!(!at_end[at] && behind_it[at], "{}", t[at]);
+    }
+}
+
 #[test]
 fn both_precisions_agree_away_from_edges() {
     let mut rng = Rng(2);

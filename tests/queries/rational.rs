@@ -99,15 +99,15 @@ impl Pair {
         Self { origin, direction, triangle: [a, b, c] }
     }
 
-    /// Moves the origin by 2⁻⁶⁰⁰, 2⁻¹²⁰⁰ and 2⁻¹⁸⁰⁰ units along the axes: determinants of these integers
-    /// have less than 600 bits.
+    /// Moves the origin by 2⁻⁹⁰⁰, 2⁻¹⁸⁰⁰ and 2⁻²⁷⁰⁰ units along the axes: determinants of these integers
+    /// have less than 900 bits.
     fn moved(mut self) -> Self {
         let all = [&mut self.origin, &mut self.direction].into_iter().chain(&mut self.triangle);
         all.flatten().for_each(|x| {
-            assert!(x.bits() < 195);
-            *x <<= 1800;
+            assert!(x.bits() < 295);
+            *x <<= 2700;
         });
-        (0..3).for_each(|axis| self.origin[axis] += BigInt::from(1) << (1200 - 600 * axis));
+        (0..3).for_each(|axis| self.origin[axis] += BigInt::from(1) << (1800 - 900 * axis));
         self
     }
 

@@ -121,10 +121,11 @@ class Mesh:
     -----
     Hits have ``t_min < t < t_max``. In "exact", a negative `t_min` makes hits at t = 0 count. Faces contain
     their edges and vertices: `all_hits` reports a hit for each face. Rays with NaN, an infinite number or a
-    direction of 0 hit nothing.
+    direction of 0 hit nothing. "exact" refuses numbers, except 0, whose absolute value is not between 8e-37
+    and 1e36; components of directions may be as small as 2e-49.
     """
 
-    __slots__ = ("_mesh", "precision", "threads")
+    __slots__ = ("_mesh", "_precision", "_threads")
 
     def __init__(
         self,
@@ -144,7 +145,7 @@ class Mesh:
         if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
             wrong = int(faces.min() if faces.min() < 0 else faces.max())
             raise ValueError(f"faces {faces.shape} name vertex {wrong}; the vertices are {vertices.shape}")
-        self.precision, self.threads = precision, _threads(threads)
+        self._precision, self._threads = precision, _threads(threads)
         faces = np.require(faces, np.uint32, ["C", "A"])
         self._mesh = core.Mesh(vertices, faces, precision == "exact", self.threads)
 
@@ -160,6 +161,16 @@ class Mesh:
     def __repr__(self) -> str:
         faces, size = len(self.faces), self._mesh.bytes() / 2**20
         return f"<octray.Mesh: {faces} faces, {self.precision}, {size:.1f} MiB>"
+
+    @property
+    def precision(self) -> str:
+        """Either "exact" or "single"."""
+        return self._precision
+
+    @property
+    def threads(self) -> int:
+        """Threads of each query."""
+        return self._threads
 
     @property
     def vertices(self) -> NDArray[np.float64]:
@@ -221,6 +232,8 @@ class Mesh:
             The largest number of hits of a ray: further ones are left out.
         """
         most = 2**63 - 1 if max_hits is None else max_hits
+        if not 0 <= most < 2**63:
+            raise ValueError(f"max_hits: {max_hits} is not between 0 and {2**63 - 1}")
         offsets, hits = self._mesh.all_hits(_rays(origins, directions, t_min, t_max), most)
         return AllHits(offsets, *hits)
 

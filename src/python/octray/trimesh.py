@@ -28,7 +28,8 @@ class RayMeshIntersector:
     Notes
     -----
     Multiple hits are ordered as by trimesh with Embree: the first hits of all rays, the second ones, and so
-    on. Hits of a ray at the same place, as on an edge, are one. In "exact", hits at the origin count.
+    on. Hits of a ray at the same place, as on an edge, are one: their t differs by less than 1e-15 of itself,
+    in "single" by 1e-6. In "exact", hits at the origin count.
     """
 
     def __init__(self, geometry: Any, scale_to_box: bool = True, **options: Any) -> None:
@@ -97,7 +98,7 @@ class RayMeshIntersector:
         if not multiple:
             most = min(most, 1)
         # Two faces that share an edge give its t with different roundings.
-        apart = 1e-14 if mesh.precision == "exact" else 1e-6
+        apart = 1e-15 if mesh.precision == "exact" else 1e-6
         return mesh._mesh.hits_by_depth(rays, most, apart)
 
     def __getstate__(self) -> dict:

@@ -138,6 +138,7 @@ def test_errors_name_shapes_and_rays():
         (r"vertex -1", lambda: octray.Mesh(vertices, [[0, 1, -1]])),
         (r"float64 of the shape \(1, 3\) instead of integers", lambda: octray.Mesh(vertices, [[0.0, 1.0, 2.0]])),
         ("neither", lambda: octray.Mesh(vertices, faces, "double")),
+        ("max_hits: -1", lambda: mesh.all_hits(origins, directions, max_hits=-1)),
         ("threads: 0", lambda: octray.Mesh(vertices, faces, threads=0)),
         ("nan", lambda: octray.Mesh(vertices * np.nan, faces)),
     ]:

@@ -59,6 +59,15 @@ def test_edges_are_hit_once_and_origins_on_a_face_too():
     assert sorted(ray) == [0, 0, 1, 1] and len(set(face[ray == 0])) == 2
 
 
+def test_many_faces_at_a_point_are_one_hit():
+    cone = trimesh.creation.cone(radius=1, height=1, sections=256)
+    for precision in ("exact", "single"):
+        hits = RayMeshIntersector(cone, precision=precision)
+        for max_hits in (2, 100):
+            faces, _, places = hits.intersects_id([[0, 0, 5.0]], [[0, 0, -1.0]], True, max_hits, True)
+            np.testing.assert_allclose(places, [[0, 0, 1], [0, 0, 0]], atol=1e-6)
+
+
 def test_changes_of_the_mesh_are_seen():
     sphere, mine, _ = meshes()
     ray = [[5.0, 0.0, 0.0]], [[-1.0, 0.0, 0.0]]

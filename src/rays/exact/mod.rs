@@ -24,6 +24,10 @@ pub use solution::{WIDTH, solve};
 /// them: it is a multiple of 2⁻¹⁰³² below 2⁷⁴⁰, and no expansion underflows or overflows.
 pub const DOMAIN: [f64; 2] = [1.0 / (1_u128 << 120) as f64, (1_u128 << 120) as f64];
 
+/// The least absolute value of a direction's component, except 0, for which answers are exact: of these six
+/// factors, one at most is of a direction, and it may be a multiple of 2⁻²¹⁴.
+pub const LEAST_DIRECTION: f64 = DOMAIN[0] / (1_u64 << 42) as f64;
+
 /// The error of a determinant in f64, relative to |p|₁ |q|∞ |r|∞.
 const BOUND: f64 = 16.0 * f64::EPSILON;
 

@@ -144,7 +144,7 @@ impl ExactRay {
         let [n, d] = self.terms(triangle);
         let scale = match bound {
             bound if bound > f64::powi(2.0, 500) => f64::powi(0.5, 500),
-            bound if bound > 0.0 && bound < f64::powi(0.5, 500) => f64::powi(2.0, 600),
+            bound if bound > 0.0 && bound < f64::powi(0.5, 440) => f64::powi(2.0, 600),
             _ => 1.0,
         };
         let order = times(n.scaled(scale).minus(&d.scaled(bound * scale)).sign(), d.sign());

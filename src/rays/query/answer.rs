@@ -188,6 +188,20 @@ impl Default for AllHits {
 }
 
 impl AllHits {
+    /// Leaves out the misses of first hits.
+    pub(super) fn of_closest(mut hits: HitColumns) -> Self {
+        fn keep<T: Copy>(column: &mut Vec<T>, are_hits: &[bool]) {
+            let mut of_value = are_hits.iter();
+            column.retain(|_| of_value.next().is_some_and(|is_hit| *is_hit));
+        }
+        let are_hits: Vec<bool> = hits.primitive.iter().map(|&number| number != MISS).collect();
+        let mut offsets = vec![0; are_hits.len() + 1];
+        (0..are_hits.len()).for_each(|ray| offsets[ray + 1] = offsets[ray] + usize::from(are_hits[ray]));
+        let HitColumns { t, surface, primitive, u, v } = &mut hits;
+        [t, u, v].into_iter().for_each(|column| keep(column, &are_hits));
+        [surface, primitive].into_iter().for_each(|column| keep(column, &are_hits));
+        Self { offsets, hits }
+    }
     /// Appends the hits of more rays.
     pub fn append(&mut self, other: Self) {
         let before = self.hits.len();

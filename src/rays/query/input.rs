@@ -1,6 +1,7 @@
 //! Slices of numbers, points and rays, in single or double precision.
 
 use super::{Error, outside};
+use crate::exact::{DOMAIN, LEAST_DIRECTION};
 use crate::lane::prefetch;
 use std::ops::Range;
 
@@ -323,7 +324,7 @@ fn after(t_min: f64) -> f64 {
 impl OneRay {
     /// Tests whether the ray is in the range of numbers of exact answers.
     pub fn check(&self, index: usize) -> Result<(), Error> {
-        let numbers = self.origin.into_iter().chain(self.direction);
-        outside(numbers).map_or(Ok(()), |number| Err(Error::Ray { index, number }))
+        let numbers = outside(self.origin, DOMAIN).or(outside(self.direction, [LEAST_DIRECTION, DOMAIN[1]]));
+        numbers.map_or(Ok(()), |number| Err(Error::Ray { index, number }))
     }
 }

@@ -147,6 +147,9 @@ impl Intersector {
     /// Returns the first hits of each ray, at most so many, in order.
     pub fn first_hits(&self, rays: &Rays, most: usize) -> Result<AllHits, Error> {
         rays.check()?;
+        if most == 1 {
+            return self.closest(rays).map(AllHits::of_closest);
+        }
         self.in_chunks(rays.len(), AllHits::append, |range, memory| {
             let Memory { stream, stack, single, exact } = memory;
             let memory = (&mut **stream.get_or_insert_default(), stack);

@@ -42,7 +42,8 @@
 //!   hits in [`Precision::Exact`], and may have some in [`Precision::Single`]. Rays within the plane of a
 //!   triangle miss it. A triangle that is there twice is hit twice.
 //! - **Errors** ([`Error`]): vertices that are not finite, and all numbers except 0 whose absolute value is
-//!   not between 2⁻¹²⁰ and 2¹²⁰ (8·10⁻³⁷ to 10³⁶); for rays only in [`Precision::Exact`].
+//!   not between 2⁻¹²⁰ and 2¹²⁰ (8·10⁻³⁷ to 10³⁶); for rays only in [`Precision::Exact`], where components
+//!   of directions may be as small as 2⁻¹⁶² (2·10⁻⁴⁹).
 //! - Answers do not depend on the number of threads, nor on the rays beside.
 
 mod answer;
@@ -59,7 +60,6 @@ pub use input::{Numbers, Points, Rays};
 pub use intersector::{Intersector, Threads};
 pub use surfaces::Surfaces;
 
-use crate::exact::DOMAIN;
 use std::fmt;
 
 /// How hits are computed.
@@ -155,7 +155,10 @@ impl fmt::Display for Error {
             Self::Surface(surface) => write!(to, "surface {surface} does not exist, or has no such parts"),
             Self::ExactSpheres => write!(to, "exact answers are for triangles only: use single precision"),
             Self::Ray { index, number } => {
-                write!(to, "ray or point {index}: {number:e} is out of range: {RANGE}")
+                write!(
+                    to,
+                    "ray or point {index}: {number:e} is out of range: {RANGE} (directions: from 2e-49)"
+                )
             }
         }
     }
@@ -163,8 +166,7 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// Returns the first number outside the range in which answers are exact.
-fn outside(numbers: impl IntoIterator<Item = f64>) -> Option<f64> {
-    let [least, most] = DOMAIN;
+/// Returns the first number, except 0, whose absolute value is outside a range.
+fn outside(numbers: impl IntoIterator<Item = f64>, [least, most]: [f64; 2]) -> Option<f64> {
     numbers.into_iter().find(|number| *number != 0.0 && !(least..=most).contains(&number.abs()))
 }

@@ -45,6 +45,11 @@ fn end(t_max: f64, scale: f64) -> f32 {
     }
 }
 
+/// Returns the greatest start for which t > start is t / scale > t_min, as both are rounded.
+fn start(t_min: f64, scale: f64) -> f32 {
+    if t_min > 0.0 { end(t_min.next_up(), scale).next_down() } else { 0.0 }
+}
+
 impl Batch {
     /// Converts rays to the coordinates of a structure. Those that hit nothing end at NaN.
     fn fill(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>) {
@@ -58,7 +63,7 @@ impl Batch {
         if !rays.have_no_ends() {
             for (at, &scale) in (0..range.len()).zip(&*scale) {
                 let [t_min, t_max] = rays.ends(range.start + at);
-                (starts[at], ends[at]) = ((t_min * scale) as f32, exact_end(t_max, scale));
+                (starts[at], ends[at]) = (start(t_min, scale), exact_end(t_max, scale));
             }
         } else {
             starts.fill(0.0);
@@ -77,7 +82,7 @@ impl Batch {
                 let direction = (direction / largest).normalize().as_vec3().to_array();
                 let from = coordinates.to_scene(origin.into()).as_vec3().to_array();
                 columns.iter_mut().zip(from.into_iter().chain(direction)).for_each(|(to, x)| to[at] = x);
-                (starts[at], ends[at]) = ((t_min * of_ray) as f32, exact_end(t_max, of_ray));
+                (starts[at], ends[at]) = (start(t_min, of_ray), exact_end(t_max, of_ray));
                 scale[at] = of_ray;
             }
         }

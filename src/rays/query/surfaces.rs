@@ -3,6 +3,7 @@
 use super::input::{Numbers, Points};
 use super::{Error, Intersector, Precision, outside};
 use crate::coordinates::Coordinates;
+use crate::exact::DOMAIN;
 use crate::kind::geometry::{Geometry, Sphere};
 use crate::lane::prefetch;
 use crate::numbering::Kind;
@@ -79,7 +80,7 @@ impl Surfaces {
         let centers = checked(centers.into(), surface)?;
         radii.check("radii", centers.len())?;
         let radii: Vec<f64> = (0..centers.len()).map(|at| radii.get(at)).collect();
-        let is_wrong = |radius: &f64| *radius <= 0.0 || outside([*radius]).is_some();
+        let is_wrong = |radius: &f64| *radius <= 0.0 || outside([*radius], DOMAIN).is_some();
         if let Some(index) = radii.iter().position(is_wrong) {
             return Err(Error::Radius { surface, index, number: radii[index] });
         }
@@ -211,7 +212,7 @@ impl Surfaces {
 fn checked(points: Points, surface: usize) -> Result<Vec<[f64; 3]>, Error> {
     points.check("columns", points.len())?;
     let points: Vec<_> = (0..points.len()).map(|at| points.get(at)).collect();
-    match (0..).zip(&points).find_map(|(index, point)| Some((index, outside(*point)?))) {
+    match (0..).zip(&points).find_map(|(index, point)| Some((index, outside(*point, DOMAIN)?))) {
         Some((index, number)) => Err(Error::Point { surface, index, number }),
         None => Ok(points),
     }

@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArra
 use octray_rays::Tracer;
 use octray_rays::lane::prefetch;
 use octray_rays::query::{
-    AllHits, Error, HitsMut, Intersector, MISS, Numbers, Points, Precision, Rays, Surfaces, Threads,
+    AllHits, Error, HitsMut, Intersector, Numbers, Points, Precision, Rays, Surfaces, Threads,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -302,15 +302,9 @@ struct Kept {
 impl Mesh {
     /// Returns the hits of [`Mesh::hits_by_depth`], ray by ray.
     fn kept(&self, py: Python, rays: &Rays, max_hits: usize, apart: f64) -> PyResult<Vec<Kept>> {
-        if max_hits == 1 {
-            let (mut t, mut primitive) = (vec![0.0; rays.len()], vec![0; rays.len()]);
-            let hits = HitsMut { t: &mut t, primitive: &mut primitive, ..HitsMut::default() };
-            self.closest_to(py, rays, hits)?;
-            let hits = (0..).zip(primitive).zip(t).filter(|((_, face), _)| *face != MISS);
-            return Ok(hits.map(|((ray, face), t)| Kept { depth: 0, ray, face, t }).collect());
-        }
-        // Many hits may be one.
-        let AllHits { offsets, hits } = self.all(py, rays, usize::MAX)?;
+        // Many hits may be one, but the first is.
+        let most = if max_hits == 1 { 1 } else { usize::MAX };
+        let AllHits { offsets, hits } = self.all(py, rays, most)?;
         let mut kept = Vec::with_capacity(hits.len());
         for (ray, range) in (0..).zip(offsets.windows(2)) {
             let (mut last, mut depth) = (f64::NEG_INFINITY, 0);

@@ -183,7 +183,7 @@ impl Mesh {
         let length = [1.0, unit, unit * (1.0 + 3e-7), 1e-3, 1e5][rng.index(5)];
         let mut direction = direction.map(|x| x * length);
         if rng.index(16) == 0 {
-            // As rotations leave them.
+            // Rotations leave such components.
             direction[rng.index(3)] = 2.3e-49;
         }
         let end = |rng: &mut Rng| [0.0, 1.0, 2.0, 1.0 / length, 2.0 / length, 0.5][rng.index(6)];

@@ -95,7 +95,7 @@ fn single_precision_is_that_of_the_tracer() {
     }
 }
 
-/// As both are rounded, t_min < t < t_max holds to the last bit.
+/// The rule t_min < t < t_max holds to the last bit, as t and the ends are rounded.
 #[test]
 fn ends_one_bit_beside_a_hit_decide() {
     let mut rng = Rng(7);

@@ -7,14 +7,38 @@
 //! Source: J. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates",
 //! Discrete & Computational Geometry 18, 1997: figures 7 (`sum`), 13 (`scaled`) and 15 (`compressed`).
 
+use crate::lane::F64x8;
 use std::cmp::Ordering;
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// Whether `mul_add` is one instruction; elsewhere it is a slow function.
-pub const HAS_FMA: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
+const HAS_FMA: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
+
+/// One double, or several.
+pub trait Doubles:
+    Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// Returns self · factor + term, rounded once if [`HAS_FMA`].
+    fn fused(self, factor: Self, term: Self) -> Self;
+}
+
+impl Doubles for f64 {
+    #[inline(always)]
+    fn fused(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+}
+
+impl Doubles for F64x8 {
+    #[inline(always)]
+    fn fused(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+}
 
 /// Returns a + b, rounded, and the error of the rounding.
 #[inline(always)]
-pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub fn two_sum<T: Doubles>(a: T, b: T) -> (T, T) {
     let sum = a + b;
     let of_b = sum - a;
     (sum, (a - (sum - of_b)) + (b - of_b))
@@ -22,20 +46,20 @@ pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
 
 /// Runs [`two_sum`] for |a| ≥ |b|.
 #[inline(always)]
-pub fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
+pub fn fast_two_sum<T: Doubles>(a: T, b: T) -> (T, T) {
     let sum = a + b;
     (sum, b - (sum - a))
 }
 
 /// Returns a · b, rounded, and the error of the rounding.
 #[inline(always)]
-pub fn two_product(a: f64, b: f64) -> (f64, f64) {
+pub fn two_product<T: Doubles>(a: T, b: T) -> (T, T) {
     let product = a * b;
     if HAS_FMA {
-        return (product, a.mul_add(b, -product));
+        return (product, a.fused(b, -product));
     }
-    let split = |x: f64| {
-        let big = x * 134_217_729.0;
+    let split = |x: T| {
+        let big = x * T::from(134_217_729.0);
         let high = big - (big - x);
         (high, x - high)
     };

@@ -5,7 +5,7 @@
 //! far from the origin.
 
 use super::Point;
-use super::expansion::HAS_FMA;
+use super::expansion::{fast_two_sum, two_product, two_sum};
 use super::ray::ExactRay;
 use crate::lane::F64x8;
 
@@ -20,34 +20,6 @@ type Pair = (F64x8, F64x8);
 const BOUND: f64 = f64::EPSILON * f64::EPSILON * 64.0;
 /// The error of N, D and the weights that leaves the quotients accurate enough.
 const ACCURATE: f64 = f64::EPSILON / 16.0;
-
-#[inline(always)]
-fn two_sum(a: F64x8, b: F64x8) -> Pair {
-    let sum = a + b;
-    let of_b = sum - a;
-    (sum, (a - (sum - of_b)) + (b - of_b))
-}
-
-#[inline(always)]
-fn fast_two_sum(a: F64x8, b: F64x8) -> Pair {
-    let sum = a + b;
-    (sum, b - (sum - a))
-}
-
-#[inline(always)]
-fn two_product(a: F64x8, b: F64x8) -> Pair {
-    let product = a * b;
-    if HAS_FMA {
-        return (product, a.mul_add(b, -product));
-    }
-    let split = |x: F64x8| {
-        let big = x * F64x8::splat(134_217_729.0);
-        let high = big - (big - x);
-        (high, x - high)
-    };
-    let ((a, a_low), (b, b_low)) = (split(a), split(b));
-    (product, a_low * b_low - (((product - a * b) - a_low * b) - a * b_low))
-}
 
 #[inline(always)]
 fn product(a: Pair, b: Pair) -> Pair {

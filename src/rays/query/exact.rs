@@ -11,9 +11,7 @@ use crate::exact::{Crossing, DOMAIN, ExactRay, Rule, WIDTH, solve};
 use crate::kind::triangle::Candidate;
 use crate::math::MISS;
 use crate::traverse::Structure;
-use crate::traverse::every::{self, RoundedRay, VisitCandidates, visit_candidates_of_batch};
-use crate::traverse::stack::Stack;
-use crate::traverse::stream::Stream;
+use crate::traverse::every::{self, Memory, RoundedRay, VisitCandidates, visit_candidates_of_batch};
 use std::cmp::Ordering;
 use std::mem::take;
 use std::ops::Range;
@@ -80,7 +78,7 @@ impl Exact<'_> {
         &self,
         scene_rays: &mut SceneRays,
         (range, rule): (Range<usize>, Rule),
-        (stream, stack): (&mut Stream, &mut Stack),
+        memory: &mut Memory,
         mut visit: impl FnMut(usize, Found) -> Option<f32>,
     ) -> Result<(), Error> {
         let usual = Usual { numbers: DOMAIN, extent: every::extent(self.structure) };
@@ -90,12 +88,12 @@ impl Exact<'_> {
         for &at in &scene_rays.unusual {
             let Some(ray) = self.rays.get(range.start + at) else { continue };
             ray.check(range.start + at)?;
-            self.trace_one(&ray.exact(), rule, stack, |found| visit(at, found));
+            self.trace_one(&ray.exact(), rule, memory, |found| visit(at, found));
         }
         let rays = columns::Rays::new([x, y, z], [dx, dy, dz]);
         let first = range.start;
         let visitor = Visitor { exact: *self, scene_rays, first, rule, visit, uncertain: Vec::new() };
-        visit_candidates_of_batch::<ANY>(self.structure, *greatest, stream, &rays, &mut ends, visitor);
+        visit_candidates_of_batch::<ANY>(self.structure, *greatest, memory, &rays, &mut ends, visitor);
         scene_rays.ends = ends;
         Ok(())
     }
@@ -105,12 +103,12 @@ impl Exact<'_> {
         &self,
         ray: &ExactRay,
         rule: Rule,
-        stack: &mut Stack,
+        memory: &mut Memory,
         mut visit: impl FnMut(Found) -> Option<f32>,
     ) {
         let Some(rounded) = RoundedRay::new(self.structure, ray.origin, ray.direction) else { return };
         let mut hits: Vec<(Crossing, u32)> = Vec::new();
-        rounded.visit_candidates(self.structure, stack, rounded.end(ray.t_max), |number| {
+        rounded.visit_candidates(self.structure, memory, rounded.end(ray.t_max), |number| {
             hits.push((ray.hit(&self.corners(number), rule)?, number));
             None
         });
@@ -128,7 +126,7 @@ impl Exact<'_> {
         &self,
         batch: &mut ExactBatch,
         range: Range<usize>,
-        memory: (&mut Stream, &mut Stack),
+        memory: &mut Memory,
     ) -> Result<(), Error> {
         let ExactBatch { rays, nearest, .. } = batch;
         nearest.clear();
@@ -149,7 +147,7 @@ impl Exact<'_> {
         &self,
         batch: &mut ExactBatch,
         range: Range<usize>,
-        memory: (&mut Stream, &mut Stack),
+        memory: &mut Memory,
         mut hits: HitsMut,
     ) -> Result<(), Error> {
         self.nearest::<false>(batch, range.clone(), memory)?;
@@ -169,7 +167,7 @@ impl Exact<'_> {
         &self,
         batch: &mut ExactBatch,
         range: Range<usize>,
-        memory: (&mut Stream, &mut Stack),
+        memory: &mut Memory,
     ) -> Result<Vec<bool>, Error> {
         self.nearest::<true>(batch, range, memory)?;
         Ok(batch.nearest.iter().map(|found| found.number != MISS).collect())
@@ -180,7 +178,7 @@ impl Exact<'_> {
         &self,
         batch: &mut ExactBatch,
         range: Range<usize>,
-        memory: (&mut Stream, &mut Stack),
+        memory: &mut Memory,
     ) -> Result<Vec<u32>, Error> {
         let mut counts = vec![0; range.len()];
         self.trace::<true>(&mut batch.rays, (range, Rule::Once), memory, |at, _| {
@@ -195,7 +193,7 @@ impl Exact<'_> {
         &self,
         batch: &mut ExactBatch,
         (range, most): (Range<usize>, usize),
-        memory: (&mut Stream, &mut Stack),
+        memory: &mut Memory,
     ) -> Result<AllHits, Error> {
         let ExactBatch { rays, found, .. } = batch;
         found.clear();

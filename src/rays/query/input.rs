@@ -18,7 +18,7 @@ pub enum Numbers<'a> {
     F32(&'a [f32]),
     /// In double precision.
     F64(&'a [f64]),
-    /// The same for all.
+    /// One number, the same for all.
     Same(f64),
 }
 

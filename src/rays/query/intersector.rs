@@ -5,8 +5,7 @@ use super::exact::{Exact, ExactBatch};
 use super::input::{Points, Rays};
 use super::surfaces::Surfaces;
 use super::{Error, Precision, single};
-use crate::traverse::stack::Stack;
-use crate::traverse::stream::Stream;
+use crate::traverse::every::Memory;
 use crate::traverse::{Structure, Tracer, Traversal};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -42,18 +41,16 @@ pub struct Intersector {
     threads: Threads,
 }
 
-/// The working memory of a thread.
+/// What a thread works with.
 #[derive(Default)]
-struct Memory {
-    /// Two MiB, allocated at first use.
-    stream: Option<Box<Stream>>,
-    stack: Stack,
+struct Work {
+    memory: Memory,
     single: single::Batch,
     exact: ExactBatch,
 }
 
 thread_local! {
-    static MEMORY: RefCell<Memory> = RefCell::default();
+    static WORK: RefCell<Work> = RefCell::default();
 }
 
 impl Intersector {
@@ -115,13 +112,13 @@ impl Intersector {
         rays.check()?;
         hits.check(rays.len())?;
         let parts = hits.parts(rays.len(), CHUNK);
-        let answers = self.map_parts(rays.len(), parts, |range, hits, memory| {
-            let Memory { stream, stack, single, exact } = memory;
+        let answers = self.map_parts(rays.len(), parts, |range, hits, work| {
+            let Work { memory, single, exact } = work;
             if self.precision == Precision::Single {
                 single.closest((&self.surfaces, &self.structure), rays, range, hits);
                 return Ok(());
             }
-            self.exact(rays).closest(exact, range, (stream.get_or_insert_default(), stack), hits)
+            self.exact(rays).closest(exact, range, memory, hits)
         });
         answers.into_iter().collect()
     }
@@ -129,12 +126,12 @@ impl Intersector {
     /// Tests which rays hit anything.
     pub fn occluded(&self, rays: &Rays) -> Result<Vec<bool>, Error> {
         rays.check()?;
-        self.in_chunks(rays.len(), Vec::extend, |range, memory| {
-            let Memory { stream, stack, single, exact } = memory;
+        self.in_chunks(rays.len(), Vec::extend, |range, work| {
+            let Work { memory, single, exact } = work;
             if self.precision == Precision::Single {
                 return Ok(single.occluded(&self.structure, rays, range));
             }
-            self.exact(rays).occluded(exact, range, (stream.get_or_insert_default(), stack))
+            self.exact(rays).occluded(exact, range, memory)
         })
     }
 
@@ -150,9 +147,8 @@ impl Intersector {
         if most == 1 {
             return self.closest(rays).map(AllHits::of_closest);
         }
-        self.in_chunks(rays.len(), AllHits::append, |range, memory| {
-            let Memory { stream, stack, single, exact } = memory;
-            let memory = (&mut **stream.get_or_insert_default(), stack);
+        self.in_chunks(rays.len(), AllHits::append, |range, work| {
+            let Work { memory, single, exact } = work;
             match self.precision {
                 Precision::Single => {
                     let of = (&*self.surfaces, &self.structure);
@@ -172,9 +168,8 @@ impl Intersector {
     /// hits of [`Intersector::all_hits`].
     pub fn count(&self, rays: &Rays) -> Result<Vec<u32>, Error> {
         rays.check()?;
-        self.in_chunks(rays.len(), Vec::extend, |range, memory| {
-            let Memory { stream, stack, single, exact } = memory;
-            let memory = (&mut **stream.get_or_insert_default(), stack);
+        self.in_chunks(rays.len(), Vec::extend, |range, work| {
+            let Work { memory, single, exact } = work;
             match self.precision {
                 Precision::Single => Ok(single.count(&self.structure, rays, range, memory)),
                 Precision::Exact => self.exact(rays).count(exact, range, memory),
@@ -214,10 +209,10 @@ impl Intersector {
         &self,
         count: usize,
         append: impl Fn(&mut R, R),
-        query: impl Fn(Range<usize>, &mut Memory) -> Result<R, Error> + Sync,
+        query: impl Fn(Range<usize>, &mut Work) -> Result<R, Error> + Sync,
     ) -> Result<R, Error> {
         let answers =
-            self.map_parts(count, vec![(); count.div_ceil(CHUNK)], |range, (), memory| query(range, memory));
+            self.map_parts(count, vec![(); count.div_ceil(CHUNK)], |range, (), work| query(range, work));
         let joined = answers.into_iter().reduce(|all, chunk| {
             let mut all = all?;
             append(&mut all, chunk?);
@@ -231,11 +226,11 @@ impl Intersector {
         &self,
         count: usize,
         parts: Vec<P>,
-        query: impl Fn(Range<usize>, P, &mut Memory) -> Result<R, Error> + Sync,
+        query: impl Fn(Range<usize>, P, &mut Work) -> Result<R, Error> + Sync,
     ) -> Vec<Result<R, Error>> {
         let run = |(chunk, part): (usize, P)| {
             let range = chunk * CHUNK..count.min((chunk + 1) * CHUNK);
-            MEMORY.with_borrow_mut(|memory| query(range, part, memory))
+            WORK.with_borrow_mut(|work| query(range, part, work))
         };
         match self.threads {
             Threads::Pool => parts.into_par_iter().enumerate().map(run).collect(),

@@ -5,12 +5,9 @@ use super::answer::{AllHits, HitColumns, HitsMut, by_ray, keep_first};
 use super::input::{OneRay, Rays};
 use super::scene_rays::{SceneRays, Usual};
 use super::surfaces::Surfaces;
-use crate::columns;
-use crate::columns::Hits;
+use crate::columns::{self, Hits};
 use crate::math::{Hit, MISS, Ray, Vec3};
-use crate::traverse::every::{visit_every_hit, visit_every_hit_of_batch};
-use crate::traverse::stack::Stack;
-use crate::traverse::stream::Stream;
+use crate::traverse::every::{Memory, visit_every_hit, visit_every_hit_of_batch};
 use crate::traverse::{Structure, Tracer};
 use glam::DVec3;
 use std::ops::Range;
@@ -137,18 +134,12 @@ impl Batch {
     }
 
     /// Finds every hit of rays, in any order.
-    fn gather(
-        &mut self,
-        structure: &Structure,
-        rays: &Rays,
-        range: Range<usize>,
-        (stream, stack): (&mut Stream, &mut Stack),
-    ) {
+    fn gather(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>, memory: &mut Memory) {
         self.fill(structure, rays, range);
         let Self { rays: SceneRays { columns, starts, ends, .. }, found, .. } = self;
         found.clear();
         let of_batch = self::columns(columns);
-        let are_found = visit_every_hit_of_batch(structure, stream, &of_batch, ends, |ray, hit| {
+        let are_found = visit_every_hit_of_batch(structure, memory, &of_batch, ends, |ray, hit| {
             if hit.t > starts[ray] {
                 found.push((ray as u32, hit));
             }
@@ -160,7 +151,7 @@ impl Batch {
             let [x, y, z, dx, dy, dz] = columns.each_ref().map(|column| column[at]);
             let ray = Ray { origin: Vec3::new(x, y, z), direction: Vec3::new(dx, dy, dz) };
             let mut hits = Vec::new();
-            visit_every_hit(structure, stack, ray, ends[at], &mut |hit| {
+            visit_every_hit(structure, memory, ray, ends[at], &mut |hit| {
                 if hit.t > starts[at] {
                     hits.push(hit);
                 }
@@ -178,7 +169,7 @@ impl Batch {
         (surfaces, structure): (&Surfaces, &Structure),
         rays: &Rays,
         (range, most): (Range<usize>, usize),
-        memory: (&mut Stream, &mut Stack),
+        memory: &mut Memory,
     ) -> AllHits {
         let count = range.len();
         self.gather(structure, rays, range, memory);
@@ -209,7 +200,7 @@ impl Batch {
         structure: &Structure,
         rays: &Rays,
         range: Range<usize>,
-        memory: (&mut Stream, &mut Stack),
+        memory: &mut Memory,
     ) -> Vec<u32> {
         let mut counts = vec![0; range.len()];
         self.gather(structure, rays, range, memory);

@@ -15,6 +15,20 @@ use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::prepared::SingleRay;
 use glam::DVec3;
 
+/// The working memory of a thread.
+#[derive(Default)]
+pub struct Memory {
+    stack: Stack,
+    /// Two MiB, allocated at first use.
+    stream: Option<Box<Stream>>,
+}
+
+impl Memory {
+    fn stream(&mut self) -> &mut Stream {
+        self.stream.get_or_insert_default()
+    }
+}
+
 /// Calls `visit` with every hit of a ray before `end`, in no order, in one descent. The ray is in the
 /// coordinates of the structure, with a direction of unit length.
 ///
@@ -22,7 +36,7 @@ use glam::DVec3;
 /// If the structure has the caller's tests, which find one hit of each primitive at most.
 pub fn visit_every_hit(
     structure: &Structure,
-    stack: &mut Stack,
+    memory: &mut Memory,
     ray: Ray<f32>,
     end: f32,
     visit: &mut impl FnMut(Hit<f32>),
@@ -37,7 +51,7 @@ pub fn visit_every_hit(
         Primitives::Tree(tree, _) => {
             let ray = SingleRay::new(ray, tree.padding);
             let mut hit = Hit { t: end, primitive: MISS, u: 0.0, v: 0.0 };
-            descend(tree, &ray, stack, &mut hit, (), |leaf, _| {
+            descend(tree, &ray, &mut memory.stack, &mut hit, (), |leaf, _| {
                 tree.visit_leaf(leaf, &ray, &mut within);
                 false
             });
@@ -51,7 +65,7 @@ pub fn visit_every_hit(
 /// no hierarchy of triangles.
 pub fn visit_every_hit_of_batch(
     structure: &Structure,
-    stream: &mut Stream,
+    memory: &mut Memory,
     rays: &Rays,
     ends: &mut [f32],
     visit: impl FnMut(usize, Hit<f32>),
@@ -61,7 +75,7 @@ pub fn visit_every_hit_of_batch(
         return false;
     }
     let padded = Padded { hierarchy, padding: hierarchy.padding };
-    stream.visit_leaves::<false>(padded, rays, ends, EveryHit(visit));
+    memory.stream().visit_leaves::<false>(padded, rays, ends, EveryHit(visit));
     true
 }
 
@@ -178,7 +192,7 @@ impl RoundedRay {
     pub fn visit_candidates(
         &self,
         structure: &Structure,
-        stack: &mut Stack,
+        memory: &mut Memory,
         end: f32,
         mut visit: impl FnMut(u32) -> Option<f32>,
     ) {
@@ -188,7 +202,7 @@ impl RoundedRay {
         let (padding, delta) = padding(tree, self.extra, distance.into());
         let ray = SingleRay::new(self.ray, padding);
         let mut hit = Hit { t: end, primitive: MISS, u: 0.0, v: 0.0 };
-        descend(tree, &ray, stack, &mut hit, (), |leaf, hit| match leaf.kind() {
+        descend(tree, &ray, &mut memory.stack, &mut hit, (), |leaf, hit| match leaf.kind() {
             Kind::Sphere => false,
             Kind::Triangle => tree.with_triangles(leaf.index(), |leaf| {
                 let found = leaf.conservative(ray.woop.stored(), &delta);
@@ -222,7 +236,7 @@ pub trait VisitCandidates {
 pub fn visit_candidates_of_batch<const ANY: bool>(
     structure: &Structure,
     [extra, distance]: [f64; 2],
-    stream: &mut Stream,
+    memory: &mut Memory,
     rays: &Rays,
     ends: &mut [f32],
     visitor: impl VisitCandidates,
@@ -230,7 +244,7 @@ pub fn visit_candidates_of_batch<const ANY: bool>(
     let tree = hierarchy(structure);
     let (padding, delta) = padding(tree, extra, distance);
     let padded = Padded { hierarchy: tree, padding };
-    stream.visit_leaves::<ANY>(padded, rays, ends, Candidates { delta, visitor });
+    memory.stream().visit_leaves::<ANY>(padded, rays, ends, Candidates { delta, visitor });
 }
 
 struct Candidates<V> {

@@ -165,6 +165,24 @@ fn grow<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
     }
 }
 
+/// Writes the places of those of the first `count` masks that are not 0 into `found`; returns them.
+#[inline(always)]
+fn places_of_masks<'a>(
+    count: usize,
+    masks: &mut [u16],
+    iota: &[u16; BATCH],
+    found: &'a mut [u16],
+) -> &'a [u16] {
+    masks[count..count + CHUNK].fill(0);
+    let chunks = iota.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
+    let mut top = 0;
+    for (iota, masks) in chunks.take(count.div_ceil(CHUNK)) {
+        let to = found[top..].first_chunk_mut().expect("`found` has room for all pairs");
+        top += compress_where(iota, masks, u16::MAX, to);
+    }
+    &found[..top]
+}
+
 /// The traversal of rays of a batch that are traced together.
 struct StreamTraversal<'a, 'b, C, T> {
     stream: &'a mut Stream,
@@ -345,14 +363,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C, Nearest> {
                 counter.leaf(hierarchy, node.children()[slot], 1);
                 *mask = leaves[slot].candidates(listed.stored_woop()) as u16;
             }
-            masks[entries.len()..entries.len() + CHUNK].fill(0);
-            let chunks = iota.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
-            let mut top = 0;
-            for (iota, masks) in chunks.take(entries.len().div_ceil(CHUNK)) {
-                let to = found[top..].first_chunk_mut().expect("`found` has room for all pairs");
-                top += compress_where(iota, masks, u16::MAX, to);
-            }
-            for &place in &found[..top] {
+            for &place in places_of_masks(entries.len(), masks, iota, found) {
                 let place = usize::from(place) & (BATCH - 1);
                 let leaf = leaves[slot_of(slots[place])];
                 for triangle in set_bits(u32::from(masks[place])) {

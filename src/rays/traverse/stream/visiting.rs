@@ -1,11 +1,10 @@
 //! Visits leaves of triangles with rays in streams, for queries about more than the nearest hit.
 
 use super::listed::{BATCH, ListedRay};
-use super::{LeafTests, Padded, Stream, StreamTraversal};
+use super::{LeafTests, Padded, Stream, StreamTraversal, places_of_masks};
 use crate::bvh::{WIDE, WideNode};
 use crate::columns::{Hits, Rays};
 use crate::kind::triangle::TriangleLeaf;
-use crate::lane::compaction::{CHUNK, compress_where};
 use crate::traverse::counter::CounterSink;
 
 /// Visits rays and leaves of triangles whose boxes they pass.
@@ -58,14 +57,7 @@ impl<V: VisitLeaf> LeafTests for Visiting<V> {
             for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
                 *mask = tests.0.candidates(&ListedRay::new(entry, stream_rays), leaf_of(slot)) as u16;
             }
-            masks[entries.len()..entries.len() + CHUNK].fill(0);
-            let chunks = iota.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
-            let mut top = 0;
-            for (iota, masks) in chunks.take(entries.len().div_ceil(CHUNK)) {
-                let to = found[top..].first_chunk_mut().expect("`found` has room for all pairs");
-                top += compress_where(iota, masks, u16::MAX, to);
-            }
-            for &place in &found[..top] {
+            for &place in places_of_masks(entries.len(), masks, iota, found) {
                 let place = usize::from(place) & (BATCH - 1);
                 let listed = ListedRay::new(entries[place], stream_rays);
                 if ANY && listed.stream_ray.t < 0.0 {

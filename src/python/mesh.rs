@@ -241,6 +241,36 @@ impl Mesh {
         self.map(py, points.len(), |of, range| of.contains(points.range(range)))
     }
 
+    /// Returns for each point whether it is between two corners, and rays from it along a direction and back
+    /// cross an odd number of faces: 0 if not, 1 if both do, 2 if one does and both hit.
+    fn sides<'py>(
+        &self,
+        py: Python<'py>,
+        points: Triples,
+        direction: [f64; 3],
+        corners: [[f64; 3]; 2],
+    ) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        let points = points.points()?;
+        let directions = [direction, direction.map(|component| -component)].map(Points::same);
+        let is_between = |point: [f64; 3]| {
+            (0..3).all(|axis| corners[0][axis] < point[axis] && point[axis] < corners[1][axis])
+        };
+        self.map(py, points.len(), |of, range| {
+            let mut sides = vec![0; range.len()];
+            let (places, between): (Vec<usize>, Vec<[f64; 3]>) =
+                range.map(|at| points.get(at)).enumerate().filter(|(_, point)| is_between(*point)).unzip();
+            let [there, back] = directions.map(|direction| of.count(&Rays::new(&between, direction)));
+            for (place, (there, back)) in places.into_iter().zip(there?.into_iter().zip(back?)) {
+                sides[place] = match (there % 2, back % 2) {
+                    (1, 1) => 1,
+                    (0, 0) => 0,
+                    _ => 2 * u8::from(there > 0 && back > 0),
+                };
+            }
+            Ok(sides)
+        })
+    }
+
     /// Returns the offsets, and t, primitive, u and v of all hits.
     fn all_hits<'py>(
         &self,
@@ -268,16 +298,17 @@ impl Mesh {
         let (origins, directions) = (rays.0.points()?, rays.1.points()?);
         let hits = self.kept(py, &self::rays(&rays)?, max_hits, apart)?;
         let columns = py.detach(|| {
-            let mut next = vec![0; hits.iter().map(|hit| hit.depth + 1).max().unwrap_or(0)];
-            hits.iter().for_each(|hit| next[hit.depth] += 1);
+            let mut next = vec![0; hits.iter().map(|hit| hit.depth as usize + 1).max().unwrap_or(0)];
+            hits.iter().for_each(|hit| next[hit.depth as usize] += 1);
             let mut first = 0;
             next.iter_mut().for_each(|next| (*next, first) = (first, first + *next));
             let (mut faces, mut of_rays) = (vec![0; hits.len()], vec![0; hits.len()]);
             let mut locations = vec![[0.0; 3]; hits.len()];
             for (at, &Kept { depth, ray, t, face }) in hits.iter().enumerate() {
                 self.prefetch(&hits[at..]);
-                let to = next[depth];
-                next[depth] += 1;
+                let next = &mut next[depth as usize];
+                let to = *next;
+                *next += 1;
                 (faces[to], of_rays[to]) = (i64::from(face), i64::from(ray));
                 let ray = ray as usize;
                 locations[to] = self.location(origins.get(ray), directions.get(ray), (t, face));
@@ -293,7 +324,7 @@ impl Mesh {
 
 /// A hit among the hits of its ray.
 struct Kept {
-    depth: usize,
+    depth: u32,
     ray: u32,
     face: u32,
     t: f64,
@@ -304,17 +335,22 @@ impl Mesh {
     fn kept(&self, py: Python, rays: &Rays, max_hits: usize, apart: f64) -> PyResult<Vec<Kept>> {
         // Many hits may be one, but the first is.
         let most = if max_hits == 1 { 1 } else { usize::MAX };
-        let AllHits { offsets, hits } = self.all(py, rays, most)?;
-        let mut kept = Vec::with_capacity(hits.len());
-        for (ray, range) in (0..).zip(offsets.windows(2)) {
-            let (mut last, mut depth) = (f64::NEG_INFINITY, 0);
-            for (&t, &face) in hits.t[range[0]..range[1]].iter().zip(&hits.primitive[range[0]..range[1]]) {
-                if depth < max_hits && t - last > apart * t {
-                    kept.push(Kept { depth, ray, face, t });
-                    (last, depth) = (t, depth + 1);
+        let mut kept = Vec::new();
+        self.for_parts(py, rays.len(), |of, range| {
+            let AllHits { offsets, hits } = of.first_hits(&rays.range(range.clone()), most)?;
+            for (ray, hits_of_ray) in (range.start as u32..).zip(offsets.windows(2)) {
+                let (mut last, mut depth) = (f64::NEG_INFINITY, 0);
+                let hits_of_ray = hits_of_ray[0]..hits_of_ray[1];
+                let of_ray = hits.t[hits_of_ray.clone()].iter().zip(&hits.primitive[hits_of_ray]);
+                for (&t, &face) in of_ray {
+                    if (depth as usize) < max_hits && t - last > apart * t {
+                        kept.push(Kept { depth, ray, face, t });
+                        (last, depth) = (t, depth + 1);
+                    }
                 }
             }
-        }
+            Ok(())
+        })?;
         Ok(kept)
     }
 

@@ -8,10 +8,10 @@ use octray_rays::query::{
 use octray_rays::{Geometry, Hits, Structure, Tracer};
 use std::slice::from_ref;
 
-const BOTH: [Precision; 2] = [Precision::Single, Precision::Exact];
+pub const BOTH: [Precision; 2] = [Precision::Single, Precision::Exact];
 const INFINITE: f64 = f64::INFINITY;
 
-fn built(meshes: &[(Vec<Point>, Vec<[u32; 3]>)], precision: Precision) -> Intersector {
+pub fn built(meshes: &[(Vec<Point>, Vec<[u32; 3]>)], precision: Precision) -> Intersector {
     let mut surfaces = Surfaces::new();
     for (number, (vertices, faces)) in meshes.iter().enumerate() {
         assert_eq!(surfaces.add_mesh(vertices, faces), Ok(number));
@@ -20,7 +20,7 @@ fn built(meshes: &[(Vec<Point>, Vec<[u32; 3]>)], precision: Precision) -> Inters
 }
 
 /// Triangles in a cube of edge 4, as numbers that f32 holds, each twice.
-fn crowd(rng: &mut Rng, count: u32) -> (Vec<Point>, Vec<[u32; 3]>) {
+pub fn crowd(rng: &mut Rng, count: u32) -> (Vec<Point>, Vec<[u32; 3]>) {
     let corners = |rng: &mut Rng| {
         let center = rng.point().map(|x| 2.0 * x);
         [(); 3].map(|()| {

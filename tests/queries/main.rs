@@ -2,5 +2,6 @@
 
 mod cases;
 mod exact;
+mod images;
 mod interface;
 mod rational;

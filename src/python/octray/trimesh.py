@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import Mesh, _rays, _triples
 
 # The direction of the rays of `contains_points` if the mesh is open, as trimesh's.
-_DIRECTION = np.array([0.4395064455, 0.617598629942, 0.652231566745])
+_DIRECTION = (0.4395064455, 0.617598629942, 0.652231566745)
 
 
 class RayMeshIntersector:
@@ -83,13 +83,11 @@ class RayMeshIntersector:
         inside = np.zeros(len(points), bool)
         if len(mesh.faces) == 0:
             return inside
-        low, high = self.mesh.bounds
-        left = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
-        for direction in (_DIRECTION, np.random.default_rng(0).random(3) - 0.5):
-            there, back = mesh.count(points[left], direction), mesh.count(points[left], -direction)
-            agree = there % 2 == back % 2
-            inside[left[agree]] = there[agree] % 2 == 1
-            left = left[~agree & (there > 0) & (back > 0)]
+        left, bounds = slice(None), self.mesh.bounds.tolist()
+        for direction in (_DIRECTION, (np.random.default_rng(0).random(3) - 0.5).tolist()):
+            sides = mesh._mesh.sides(points[left], direction, bounds)
+            inside[left] = sides == 1
+            left = np.flatnonzero(sides == 2)
         return inside
 
     def _hits(self, origins: ArrayLike, directions: ArrayLike, multiple: bool, most: int) -> tuple:

@@ -114,23 +114,31 @@ impl HitsMut<'_> {
         set(self.v, at, v);
     }
 
-    /// Writes surfaces and primitives, given the numbers of the primitives among all.
-    pub(super) fn set_primitives(&mut self, surfaces: &Surfaces, numbers: &[u32]) {
+    /// Writes surfaces and primitives from a place on, given the numbers of the primitives among all.
+    pub(super) fn set_primitives(&mut self, surfaces: &Surfaces, first: usize, numbers: &[u32]) {
+        let primitive = part(self.primitive, first, numbers.len());
+        let surface = part(self.surface, first, numbers.len());
         if surfaces.is_one_mesh() {
-            if !self.primitive.is_empty() {
-                self.primitive.copy_from_slice(numbers);
+            if !primitive.is_empty() {
+                primitive.copy_from_slice(numbers);
             }
-            for (surface, &number) in self.surface.iter_mut().zip(numbers) {
+            for (surface, &number) in surface.iter_mut().zip(numbers) {
                 *surface = if number == MISS { MISS } else { 0 };
             }
             return;
         }
         for (at, &number) in numbers.iter().enumerate() {
-            let (surface, primitive) = if number == MISS { (MISS, MISS) } else { surfaces.place(number) };
-            set(self.surface, at, surface);
-            set(self.primitive, at, primitive);
+            let (of, place) = if number == MISS { (MISS, MISS) } else { surfaces.place(number) };
+            set(surface, at, of);
+            set(primitive, at, place);
         }
     }
+}
+
+/// Returns a part of a column, which may be empty.
+#[inline(always)]
+pub(super) fn part<T>(column: &mut [T], first: usize, count: usize) -> &mut [T] {
+    if column.is_empty() { &mut [] } else { &mut column[first..first + count] }
 }
 
 #[inline(always)]
@@ -157,6 +165,9 @@ pub(super) fn by_ray<T: Copy>(found: &[(u32, T)], count: usize) -> (Vec<usize>, 
 
 /// Keeps the first `most` values of each ray.
 pub(super) fn keep_first<T>(most: usize, offsets: &mut [usize], values: &mut Vec<T>) {
+    if most == usize::MAX {
+        return;
+    }
     let (mut index, mut ray) = (0, 0);
     values.retain(|_| {
         while index >= offsets[ray + 1] {

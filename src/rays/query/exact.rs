@@ -4,6 +4,7 @@
 use super::Error;
 use super::answer::{AllHits, HitColumns, HitsMut, by_ray, keep_first};
 use super::input::{OneRay, Rays};
+use super::order::TraceOrder;
 use super::scene_rays::{SceneRays, Usual};
 use super::surfaces::Surfaces;
 use crate::columns;
@@ -82,7 +83,8 @@ impl Exact<'_> {
         mut visit: impl FnMut(usize, Found) -> Option<f32>,
     ) -> Result<(), Error> {
         let usual = Usual { numbers: DOMAIN, extent: every::extent(self.structure) };
-        scene_rays.fill(&self.structure.coordinates(), self.rays, range.clone(), &usual);
+        let order = TraceOrder::as_given(range.clone());
+        scene_rays.fill::<true>(&self.structure.coordinates(), self.rays, &order, &usual);
         let mut ends = take(&mut scene_rays.ends);
         let SceneRays { columns: [x, y, z, dx, dy, dz], greatest, .. } = &*scene_rays;
         for &at in &scene_rays.unusual {
@@ -158,7 +160,7 @@ impl Exact<'_> {
             let of_hits: Vec<_> = of_hits.map(|(at, &number)| (at, range.start + at, number)).collect();
             self.solve(&of_hits, |at, numbers| hits.set_numbers(at, numbers));
         }
-        hits.set_primitives(self.surfaces, &numbers);
+        hits.set_primitives(self.surfaces, 0, &numbers);
         Ok(())
     }
 
@@ -218,7 +220,7 @@ impl Exact<'_> {
             (of_ray[0] + 1..of_ray[1]).for_each(|at| hits.t[at] = hits.t[at].max(hits.t[at - 1]));
         }
         let numbers: Vec<u32> = found.iter().map(|hit| hit.number).collect();
-        hits.as_mut().set_primitives(self.surfaces, &numbers);
+        hits.as_mut().set_primitives(self.surfaces, 0, &numbers);
         Ok(AllHits { offsets, hits })
     }
 

@@ -1,5 +1,6 @@
 //! Slices of numbers, points and rays, in single or double precision.
 
+use super::order::TraceOrder;
 use super::{Error, outside};
 use crate::exact::{DOMAIN, LEAST_DIRECTION};
 use crate::lane::prefetch;
@@ -167,14 +168,15 @@ impl Points<'_> {
             Self::Columns(_) => {}
         }
     }
-    /// Copies `count` points from `first` on as columns.
+    /// Copies points from `first` on as columns.
     #[inline(always)]
-    fn load(&self, first: usize, count: usize, to: &mut [[f64; BLOCK]; 3]) {
+    fn load(&self, first: usize, to: [&mut [f64]; 3]) {
+        let end = first + to[0].len();
         match self {
-            Self::F32(points) => load(&points[first..first + count], to),
-            Self::F64(points) => load(&points[first..first + count], to),
+            Self::F32(points) => load(&points[first..end], to),
+            Self::F64(points) => load(&points[first..end], to),
             Self::Columns(columns) => {
-                columns.iter().zip(to).for_each(|(column, to)| column.load(first, &mut to[..count]));
+                columns.iter().zip(to).for_each(|(column, to)| column.load(first, to));
             }
         }
     }
@@ -188,7 +190,7 @@ impl Points<'_> {
 }
 
 #[inline(always)]
-fn load<T: Copy + Into<f64>>(points: &[[T; 3]], [x, y, z]: &mut [[f64; BLOCK]; 3]) {
+fn load<T: Copy + Into<f64>>(points: &[[T; 3]], [x, y, z]: [&mut [f64]; 3]) {
     for (point, ((x, y), z)) in points.iter().zip(x.iter_mut().zip(y).zip(z)) {
         (*x, *y, *z) = (point[0].into(), point[1].into(), point[2].into());
     }
@@ -207,7 +209,7 @@ pub struct Rays<'a> {
     t_max: Numbers<'a>,
 }
 
-/// Rays as columns. Those behind the last have a direction of 0.
+/// Rays as columns. Those behind the last have a direction of 0, or are rays loaded before.
 pub(super) struct Block {
     pub origin: [[f64; BLOCK]; 3],
     pub direction: [[f64; BLOCK]; 3],
@@ -222,6 +224,15 @@ pub(super) struct OneRay {
     pub direction: [f64; 3],
     pub t_min: f64,
     pub t_max: f64,
+}
+
+impl Block {
+    pub const EMPTY: Self = Self {
+        origin: [[0.0; BLOCK]; 3],
+        direction: [[0.0; BLOCK]; 3],
+        t_min: [0.0; BLOCK],
+        t_max: [0.0; BLOCK],
+    };
 }
 
 impl<'a> Rays<'a> {
@@ -275,17 +286,38 @@ impl<'a> Rays<'a> {
         are(self.t_min, |t_min| t_min <= 0.0) && are(self.t_max, |t_max| t_max == f64::INFINITY)
     }
 
-    /// Returns up to [`BLOCK`] rays from `first` on.
+    /// Loads up to [`BLOCK`] rays at the places from `first` on.
     #[inline(always)]
-    pub(super) fn load(&self, first: usize, count: usize) -> Block {
-        let zeros = [0.0; BLOCK];
-        let mut block = Block { origin: [zeros; 3], direction: [zeros; 3], t_min: zeros, t_max: zeros };
-        self.origins.load(first, count, &mut block.origin);
-        self.directions.load(first, count, &mut block.direction);
-        self.t_min.load(first, &mut block.t_min[..count]);
-        self.t_max.load(first, &mut block.t_max[..count]);
-        block.t_min = block.t_min.map(after);
-        block
+    pub(super) fn load(&self, order: &TraceOrder, first: usize, block: &mut Block) {
+        for places in order.runs(first..order.len().min(first + BLOCK)) {
+            let (ray, to) = (order.ray(places.start), places.start - first..places.end - first);
+            self.origins.load(ray, block.origin.each_mut().map(|column| &mut column[to.clone()]));
+            self.directions.load(ray, block.direction.each_mut().map(|column| &mut column[to.clone()]));
+            self.t_min.load(ray, &mut block.t_min[to.clone()]);
+            self.t_max.load(ray, &mut block.t_max[to]);
+        }
+        block.t_min.iter_mut().for_each(|t_min| *t_min = after(*t_min));
+    }
+
+    /// Returns the origin of a ray.
+    pub(super) fn origin(&self, at: usize) -> [f64; 3] {
+        self.origins.get(at)
+    }
+
+    /// Returns the direction of a ray.
+    pub(super) fn direction(&self, at: usize) -> [f64; 3] {
+        self.directions.get(at)
+    }
+
+    /// Fetches the origins and directions of the rays that [`Rays::load`] would return.
+    #[inline(always)]
+    pub(super) fn prefetch_block(&self, order: &TraceOrder, first: usize) {
+        // Two points are at most one cache line.
+        for place in (0..BLOCK / 2).map(|pair| first + 2 * pair) {
+            if place < order.len() {
+                self.prefetch(order.ray(place));
+            }
+        }
     }
 
     /// Fetches origin and direction of a ray into the cache.

@@ -50,6 +50,7 @@ mod answer;
 mod exact;
 mod input;
 mod intersector;
+mod order;
 mod scene_rays;
 mod single;
 mod surfaces;

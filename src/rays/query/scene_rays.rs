@@ -1,10 +1,10 @@
 //! Rays of a batch, converted to the coordinates of a structure, many at a time.
 
 use super::input::{BLOCK, Block, Rays};
+use super::order::TraceOrder;
 use crate::coordinates::Coordinates;
 use crate::lane::F64x8;
 use crate::traverse::every::{BEFORE, EXTRA, FAR};
-use std::ops::Range;
 
 /// Rays in the coordinates of a structure, with directions of unit length. Origins far away are moved along
 /// them, as by [`RoundedRay`](crate::traverse::every::RoundedRay).
@@ -59,19 +59,27 @@ struct Columns<'a> {
 }
 
 impl SceneRays {
-    /// Converts the rays of a range.
-    pub fn fill(&mut self, coordinates: &Coordinates, rays: &Rays, range: Range<usize>, usual: &Usual) {
+    /// Converts rays. Without `BOUNDS`, origins are not moved, and only directions, origins, scales and the
+    /// ends −∞ are defined.
+    pub fn fill<const BOUNDS: bool>(
+        &mut self,
+        coordinates: &Coordinates,
+        rays: &Rays,
+        order: &TraceOrder,
+        usual: &Usual,
+    ) {
         let Self { columns, starts, sure_starts, sure_ends, ends, scale, moved, unusual, .. } = self;
-        let whole = range.len().next_multiple_of(BLOCK);
+        let whole = order.len().next_multiple_of(BLOCK);
         let all_ends = [&mut *starts, &mut *sure_starts, &mut *sure_ends, &mut *ends];
         columns.iter_mut().chain(all_ends).for_each(|column| column.resize(whole, 0.0));
         scale.resize(whole, 0.0);
         moved.resize(whole, 0.0);
         unusual.clear();
         let (mut greatest, is_endless) = ([V::ZERO; 2], rays.have_no_ends());
-        for first in (0..range.len()).step_by(BLOCK) {
-            let count = BLOCK.min(range.len() - first);
-            let block = rays.load(range.start + first, count);
+        let mut block = Block::EMPTY;
+        for first in (0..order.len()).step_by(BLOCK) {
+            rays.prefetch_block(order, first + BLOCK);
+            rays.load(order, first, &mut block);
             let all_ends = [&mut *starts, &mut *sure_starts, &mut *sure_ends, &mut *ends];
             let to = Columns {
                 columns: columns.each_mut().map(|column| chunk(column, first)),
@@ -79,15 +87,15 @@ impl SceneRays {
                 scale: chunk(scale, first),
                 moved: chunk(moved, first),
             };
-            let mut left = !convert(&block, coordinates, usual, to, (&mut greatest, is_endless));
-            left &= u64::MAX >> (BLOCK - count);
+            let mut left = !convert::<BOUNDS>(&block, coordinates, usual, to, (&mut greatest, is_endless));
+            left &= u64::MAX >> (BLOCK - BLOCK.min(order.len() - first));
             while left != 0 {
                 unusual.push(first + left.trailing_zeros() as usize);
                 left &= left - 1;
             }
         }
         let all_ends = [starts, sure_starts, sure_ends, ends];
-        columns.iter_mut().chain(all_ends).for_each(|column| column.truncate(range.len()));
+        columns.iter_mut().chain(all_ends).for_each(|column| column.truncate(order.len()));
         self.greatest = greatest.map(|numbers| numbers.to_array().into_iter().fold(0.0, f64::max));
         self.are_endless = is_endless && self.greatest[0] == 0.0;
     }
@@ -159,7 +167,7 @@ struct Converted {
 
 impl Converted {
     #[inline(always)]
-    fn new(
+    fn new<const MOVED: bool>(
         (from, direction): ([V; 3], [V; 3]),
         ends: [V; 2],
         &Coordinates { origin, unit }: &Coordinates,
@@ -181,27 +189,31 @@ impl Converted {
         let unit_direction = direction.map(|component| component * inverse);
         let inverse_unit = all(1.0 / unit);
         let in_scene = axes.map(|axis| (from[axis] - all(origin[axis])) * inverse_unit);
-        let distance = largest(in_scene);
-        let is_far = all(FAR * extent).simd_lt(distance);
-        let extra = is_far & (distance * all(EXTRA));
-        let moved = -dot(&in_scene, &unit_direction) - all(BEFORE * extent);
-        let moved = is_far & moved.fast_max(zero);
-        let start = axes.map(|axis| in_scene[axis] + unit_direction[axis] * moved);
-        let rest = largest(start);
-        let is_usual = all_fit(&from)
+        let mut is_usual = all_fit(&from)
             & all_fit(&direction)
             & all(SQUARED[0]).simd_le(squared)
             & squared.simd_le(all(SQUARED[1]))
-            & extra.simd_le(all(NEAR * extent))
             & ends[0].simd_lt(ends[1]);
-        let is_near = is_usual & rest.simd_le(all(8.0 * extent) + extra);
+        let (mut start, mut moved, mut greatest, mut is_near) = (in_scene, zero, [zero; 2], is_usual);
+        if MOVED {
+            let distance = largest(in_scene);
+            let is_far = all(FAR * extent).simd_lt(distance);
+            let extra = is_far & (distance * all(EXTRA));
+            moved = -dot(&in_scene, &unit_direction) - all(BEFORE * extent);
+            moved = is_far & moved.fast_max(zero);
+            start = axes.map(|axis| in_scene[axis] + unit_direction[axis] * moved);
+            let rest = largest(start);
+            is_usual &= extra.simd_le(all(NEAR * extent));
+            is_near = is_usual & rest.simd_le(all(8.0 * extent) + extra);
+            (moved, greatest) = (is_near & moved, [is_near & extra, is_near & rest]);
+        }
         let [x, y, z] = start;
         let [dx, dy, dz] = unit_direction;
         Self {
             columns: [x, y, z, dx, dy, dz].map(|column| is_near & column),
             scale: is_usual.select(length * inverse_unit, one),
-            moved: is_near & moved,
-            greatest: [is_near & extra, is_near & rest],
+            moved,
+            greatest,
             is_usual,
             is_near,
         }
@@ -211,28 +223,35 @@ impl Converted {
 /// Converts a block of rays; returns one bit for each that is usual. `greatest` become the greatest extent to
 /// add and the largest coordinate so far. Endless rays are from 0 to ∞.
 #[inline(always)]
-fn convert(
+fn convert<const BOUNDS: bool>(
     block: &Block,
     coordinates: &Coordinates,
     usual: &Usual,
     to: Columns,
     (greatest, is_endless): (&mut [V; 2], bool),
 ) -> u64 {
-    let Columns { mut columns, ends: [starts, sure_starts, sure_ends, ends], scale, moved } = to;
+    let Columns { columns, ends: [starts, sure_starts, sure_ends, ends], scale, moved } = to;
     let mut are_usual = 0;
+    let mut doubles = [[0.0; BLOCK]; 6];
     for at in (0..BLOCK).step_by(8) {
         let eight = |column: &Column<f64>| V::from(*part(column, at));
         let of_rays = |[x, y, z]: &[Column<f64>; 3]| [eight(x), eight(y), eight(z)];
         let (t_min, t_max) = (eight(&block.t_min), eight(&block.t_max));
         let rays = (of_rays(&block.origin), of_rays(&block.direction));
-        let rays = Converted::new(rays, [t_min, t_max], coordinates, usual);
-        for (column, numbers) in columns.iter_mut().zip(rays.columns) {
-            *part_mut(column, at) = single(numbers);
+        let rays = Converted::new::<BOUNDS>(rays, [t_min, t_max], coordinates, usual);
+        for (column, numbers) in doubles.iter_mut().zip(rays.columns) {
+            *part_mut(column, at) = numbers.to_array();
         }
         *part_mut(scale, at) = rays.scale.to_array();
+        are_usual |= u64::from(rays.is_usual.to_bitmask()) << at;
+        let is_near = rays.is_near.to_bitmask();
+        let or_nothing = |lane: usize, end| if is_near >> lane & 1 != 0 { end } else { f32::NEG_INFINITY };
+        if !BOUNDS {
+            *part_mut(ends, at) = std::array::from_fn(|lane| or_nothing(lane, f32::INFINITY));
+            continue;
+        }
         *part_mut(moved, at) = rays.moved.to_array();
         let of_t = (rays.scale, rays.moved);
-        let is_near = rays.is_near.to_bitmask();
         if is_near == 0xff && is_endless && !rays.moved.to_array().iter().any(|&moved| moved > 0.0) {
             (*part_mut(starts, at), *part_mut(sure_starts, at)) = ([-TINY; 8], [TINY; 8]);
             (*part_mut(sure_ends, at), *part_mut(ends, at)) = ([f32::INFINITY; 8], [f32::INFINITY; 8]);
@@ -240,12 +259,12 @@ fn convert(
             [*part_mut(starts, at), *part_mut(sure_starts, at)] = bounds(t_min, of_t);
             let [sure, end] = bounds(t_max, of_t);
             *part_mut(sure_ends, at) = sure;
-            let or_nothing =
-                |lane: usize| if is_near >> lane & 1 != 0 { end[lane] } else { f32::NEG_INFINITY };
-            *part_mut(ends, at) = std::array::from_fn(or_nothing);
+            *part_mut(ends, at) = std::array::from_fn(|lane| or_nothing(lane, end[lane]));
         }
         greatest.iter_mut().zip(rays.greatest).for_each(|(most, number)| *most = most.fast_max(number));
-        are_usual |= u64::from(rays.is_usual.to_bitmask()) << at;
+    }
+    for (column, doubles) in columns.into_iter().zip(&doubles) {
+        column.iter_mut().zip(doubles).for_each(|(to, &number)| *to = number as f32);
     }
     are_usual
 }

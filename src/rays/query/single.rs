@@ -1,8 +1,9 @@
 //! Queries in [`super::Precision::Single`]: [`Tracer`] answers for a batch of rays at once, or every hit is
 //! visited.
 
-use super::answer::{AllHits, HitColumns, HitsMut, by_ray, keep_first};
+use super::answer::{AllHits, HitColumns, HitsMut, by_ray, keep_first, part};
 use super::input::{OneRay, Rays};
+use super::order::TraceOrder;
 use super::scene_rays::{SceneRays, Usual};
 use super::surfaces::Surfaces;
 use crate::columns::{self, Hits};
@@ -49,17 +50,17 @@ fn start(t_min: f64, scale: f64) -> f32 {
 
 impl Batch {
     /// Converts rays to the coordinates of a structure. Those that hit nothing end at NaN.
-    fn fill(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>) {
+    fn fill(&mut self, structure: &Structure, rays: &Rays, order: &TraceOrder) {
         let coordinates = structure.coordinates();
-        self.rays.fill(&coordinates, rays, range.clone(), &USUAL);
+        self.rays.fill::<false>(&coordinates, rays, order, &USUAL);
         let SceneRays { columns, starts, ends, scale, unusual, .. } = &mut self.rays;
         let exact_end = |t_max: f64, scale: f64| match t_max {
             f64::INFINITY => f32::INFINITY,
             t_max => end(t_max, scale),
         };
         if !rays.have_no_ends() {
-            for (at, &scale) in (0..range.len()).zip(&*scale) {
-                let [t_min, t_max] = rays.ends(range.start + at);
+            for (at, &scale) in scale.iter().enumerate().take(order.len()) {
+                let [t_min, t_max] = rays.ends(order.ray(at));
                 (starts[at], ends[at]) = (start(t_min, scale), exact_end(t_max, scale));
             }
         } else {
@@ -67,7 +68,7 @@ impl Batch {
         }
         for &at in &*unusual {
             ends[at] = f32::NAN;
-            let Some(OneRay { origin, direction, t_min, t_max }) = rays.get(range.start + at) else {
+            let Some(OneRay { origin, direction, t_min, t_max }) = rays.get(order.ray(at)) else {
                 continue;
             };
             let direction = DVec3::from(direction);
@@ -86,9 +87,9 @@ impl Batch {
     }
 
     /// Traces rays to their first hits; with `ANY`, only whether there is one is defined.
-    fn trace<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>) {
-        let count = range.len();
-        self.fill(structure, rays, range);
+    fn trace<const ANY: bool>(&mut self, structure: &Structure, rays: &Rays, order: &TraceOrder) {
+        let count = order.len();
+        self.fill(structure, rays, order);
         let Self { tracer, rays: SceneRays { columns, starts, ends, .. }, primitive, weights, .. } = self;
         primitive.clear();
         primitive.resize(count, MISS);
@@ -112,30 +113,51 @@ impl Batch {
         range: Range<usize>,
         mut hits: HitsMut,
     ) {
-        self.trace::<false>(structure, rays, range);
+        let order = TraceOrder::in_blocks(rays, range);
+        self.trace::<false>(structure, rays, &order);
+        order.for_runs(|places, first| self.write(surfaces, places, first, &mut hits));
+    }
+
+    /// Writes the hits of consecutive rays, given their places and the first of the rays.
+    #[inline(always)]
+    fn write(&self, surfaces: &Surfaces, places: Range<usize>, first: usize, hits: &mut HitsMut) {
         let Self { rays: SceneRays { ends: t, scale, .. }, primitive, weights: [u, v], .. } = self;
+        let (count, primitive) = (places.len(), &primitive[places.clone()]);
         let is_hit = |number: u32| number != MISS;
-        for (to, ((t, scale), &number)) in hits.t.iter_mut().zip(t.iter().zip(scale).zip(&*primitive)) {
+        let of_hits = t[places.clone()].iter().zip(&scale[places.clone()]).zip(primitive);
+        for (to, ((t, scale), &number)) in part(hits.t, first, count).iter_mut().zip(of_hits) {
             *to = if is_hit(number) { f64::from(*t) / *scale } else { f64::INFINITY };
         }
-        for (to, from) in [(&mut hits.u, u), (&mut hits.v, v)] {
-            for ((to, from), &number) in to.iter_mut().zip(from).zip(&*primitive) {
+        for (to, from) in [(&mut *hits.u, u), (&mut *hits.v, v)] {
+            let of_hits = from[places.clone()].iter().zip(primitive);
+            for (to, (from, &number)) in part(to, first, count).iter_mut().zip(of_hits) {
                 let is_weighted = is_hit(number) & !surfaces.is_sphere(number);
                 *to = if is_weighted { f64::from(*from) } else { 0.0 };
             }
         }
-        hits.set_primitives(surfaces, primitive);
+        hits.set_primitives(surfaces, first, primitive);
     }
 
     /// Tests which rays hit anything.
     pub fn occluded(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>) -> Vec<bool> {
-        self.trace::<true>(structure, rays, range);
-        self.primitive.iter().map(|&number| number != MISS).collect()
+        let mut are_occluded = vec![false; range.len()];
+        let order = TraceOrder::in_blocks(rays, range);
+        if order.is_in_blocks() {
+            // Packets of rays find first hits as fast.
+            self.trace::<false>(structure, rays, &order);
+        } else {
+            self.trace::<true>(structure, rays, &order);
+        }
+        order.for_runs(|places, first| {
+            let to = part(&mut are_occluded, first, places.len());
+            to.iter_mut().zip(&self.primitive[places]).for_each(|(to, &number)| *to = number != MISS);
+        });
+        are_occluded
     }
 
     /// Finds every hit of rays, in any order.
     fn gather(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>, memory: &mut Memory) {
-        self.fill(structure, rays, range);
+        self.fill(structure, rays, &TraceOrder::as_given(range));
         let Self { rays: SceneRays { columns, starts, ends, .. }, found, .. } = self;
         found.clear();
         let of_batch = self::columns(columns);
@@ -190,7 +212,7 @@ impl Batch {
             hits.as_mut().set_numbers(at, [f64::from(t) / scale, u, v]);
         }
         let numbers: Vec<u32> = found.iter().map(|hit| hit.primitive).collect();
-        hits.as_mut().set_primitives(surfaces, &numbers);
+        hits.as_mut().set_primitives(surfaces, 0, &numbers);
         AllHits { offsets, hits }
     }
 

@@ -6,6 +6,9 @@ use glam::DVec3;
 use octray_rays::query::{HitColumns, Intersector, MISS, Rays};
 use std::slice::from_ref;
 
+/// In the crowd, which fills the image.
+const EYE: [f64; 3] = [0.1, 0.2, 1.5];
+
 /// Rays from one point through the pixels of an image, row by row.
 fn image(width: usize, height: usize) -> Vec<[f64; 3]> {
     let direction = |at: usize| {
@@ -50,7 +53,7 @@ fn rays_of_images_have_the_answers_of_rays_in_any_order() {
                 [(0, all.len()), (5, all.len() - 3), (width - 1, all.len()), (width - 9, 3 * width)]
             {
                 let directions = &all[first..last];
-                let origins = vec![[0.1, 0.2, 6.0]; directions.len()];
+                let origins = vec![EYE; directions.len()];
                 for t_min in [0.0, 1.0] {
                     let t_min = vec![t_min; origins.len()];
                     let expected = shuffled(&intersector, &origins, directions, &t_min);
@@ -63,7 +66,10 @@ fn rays_of_images_have_the_answers_of_rays_in_any_order() {
                     let occluded: Vec<bool> =
                         expected.primitive.iter().map(|&number| number != MISS).collect();
                     assert_eq!(intersector.occluded(&rays), Ok(occluded.clone()));
-                    assert!(occluded.contains(&true) && occluded.contains(&false));
+                    // Most rays at the end of rows hit, too.
+                    let ends = (0..height).map(|row| (row + 1) * width - 1 - first);
+                    let hits = ends.clone().filter(|&end| occluded.get(end) == Some(&true));
+                    assert!(3 * hits.count() > last / width, "{width}×{height}");
                     if t_min[0] == 0.0 {
                         let endless = Rays::new(&origins, directions);
                         assert_eq!(intersector.closest(&endless), Ok(expected));
@@ -88,7 +94,7 @@ fn rows_that_end_early_or_late_lose_no_ray() {
     for directions in [uneven, there_and_back.collect(), vec![even[0]; 500]] {
         for precision in BOTH {
             let intersector = built(from_ref(&mesh), precision);
-            let origins = vec![[0.1, 0.2, 6.0]; directions.len()];
+            let origins = vec![EYE; directions.len()];
             let expected = shuffled(&intersector, &origins, &directions, &vec![0.0; origins.len()]);
             assert_eq!(intersector.closest(&Rays::new(&origins, &directions)), Ok(expected));
         }

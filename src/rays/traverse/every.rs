@@ -75,27 +75,8 @@ pub fn visit_every_hit_of_batch(
         return false;
     }
     let padded = Padded { hierarchy, padding: hierarchy.padding };
-    memory.stream().visit_leaves::<false>(padded, rays, ends, EveryHit(visit));
+    memory.stream().visit_hits(padded, rays, ends, visit);
     true
-}
-
-struct EveryHit<V>(V);
-
-impl<V: FnMut(usize, Hit<f32>)> VisitLeaf for EveryHit<V> {
-    #[inline(always)]
-    fn candidates(&self, listed: &ListedRay, leaf: &TriangleLeaf) -> u32 {
-        leaf.candidates(listed.stored_woop())
-    }
-    #[inline(always)]
-    fn visit(&mut self, listed: &ListedRay, leaf: &TriangleLeaf, candidates: u32) -> Option<f32> {
-        let end = listed.stream_ray.t;
-        leaf.visit(candidates, (&listed.woop(), &listed.stream_ray.box_ray()), &mut |hit| {
-            if hit.t < end {
-                self.0(listed.ray(), hit);
-            }
-        });
-        None
-    }
 }
 
 /// From so many extents of rounding on, no f32 says where a ray runs.

@@ -8,7 +8,7 @@ use crate::kernel::ray_box::own_box;
 use crate::kind::keep_if_nearer;
 use crate::kind::triangle::{TriangleLeaf, box_of};
 use crate::lane::{Bits, Lane, Mask, NATIVE_WIDTH, Native, NativeBits, NativeMask};
-use crate::math::Vec3;
+use crate::math::{Hit, Vec3};
 
 /// A column with a number for each lane.
 type Column<T> = [T; NATIVE_WIDTH];
@@ -57,22 +57,7 @@ impl HitBatch {
     /// Stores the hits that are nearer than those so far, and empties the batch.
     #[inline(never)]
     pub fn accept<const ANY: bool>(&mut self, stream_rays: &mut [StreamRay; BATCH], hits: &mut Hits) {
-        let filled = NativeMask::first(std::mem::take(&mut self.filled));
-        let entries = NativeBits::load(&self.entries);
-        let (box_ray, woop, limit) = StreamRay::columns(stream_rays, rays_of(entries), axes_of(entries));
-        let corner =
-            |[x, y, z]: &[Column<f32>; 3]| Vec3::new(Native::load(x), Native::load(y), Native::load(z));
-        let [a, b, c] = &self.corners;
-        let corners = [corner(a), corner(b), corner(c)];
-        let Some(found) = woop.test_each(corners) else { return };
-        let infinite = Native::splat(f32::INFINITY);
-        let (mask, t) = own_box(&box_ray, box_of(corners), found.mask & filled, found.t, infinite);
-        let column = |x: Native| {
-            let mut column = [0.0; NATIVE_WIDTH];
-            x.store(&mut column);
-            column
-        };
-        let (ts, us, vs) = (column(t), column(found.u), column(found.v));
+        let Some(Found { mask, t, limit, columns: [ts, us, vs] }) = self.find(stream_rays) else { return };
         // A hit at the limit itself may have a lower number. A ray may be in several lanes, each of which
         // compares anew.
         for lane in (mask & t.le(limit)).lanes() {
@@ -84,4 +69,46 @@ impl HitBatch {
             });
         }
     }
+
+    /// Calls `visit` with rays, by their index in the batch, and hits before their ends; empties the batch.
+    #[inline(never)]
+    pub fn visit(&mut self, stream_rays: &[StreamRay; BATCH], visit: &mut impl FnMut(usize, Hit<f32>)) {
+        let Some(Found { mask, t, limit, columns: [ts, us, vs] }) = self.find(stream_rays) else { return };
+        for lane in (mask & t.lt(limit)).lanes() {
+            let lane = lane & (NATIVE_WIDTH - 1);
+            let hit = Hit { t: ts[lane], primitive: self.primitives[lane], u: us[lane], v: vs[lane] };
+            visit(self.entries[lane] as usize & (BATCH - 1), hit);
+        }
+    }
+
+    /// Tests all rays against their triangles, and empties the batch.
+    #[inline(always)]
+    fn find(&mut self, stream_rays: &[StreamRay; BATCH]) -> Option<Found> {
+        let filled = NativeMask::first(std::mem::take(&mut self.filled));
+        let entries = NativeBits::load(&self.entries);
+        let (box_ray, woop, limit) = StreamRay::columns(stream_rays, rays_of(entries), axes_of(entries));
+        let corner =
+            |[x, y, z]: &[Column<f32>; 3]| Vec3::new(Native::load(x), Native::load(y), Native::load(z));
+        let [a, b, c] = &self.corners;
+        let corners = [corner(a), corner(b), corner(c)];
+        let found = woop.test_each(corners)?;
+        let infinite = Native::splat(f32::INFINITY);
+        let (mask, t) = own_box(&box_ray, box_of(corners), found.mask & filled, found.t, infinite);
+        let column = |x: Native| {
+            let mut column = [0.0; NATIVE_WIDTH];
+            x.store(&mut column);
+            column
+        };
+        Some(Found { mask, t, limit, columns: [column(t), column(found.u), column(found.v)] })
+    }
+}
+
+/// The hits of a batch.
+struct Found {
+    mask: NativeMask,
+    t: Native,
+    /// The ends of the rays.
+    limit: Native,
+    /// t, u and v.
+    columns: [Column<f32>; 3],
 }

@@ -13,32 +13,27 @@
 
 mod boxes;
 mod hit_batch;
+mod leaf_tests;
 mod listed;
 mod stream_ray;
 mod visiting;
 
 use super::counter::CounterSink;
 use super::hierarchy::Hierarchy;
-use crate::bvh::{Child, WIDE, WideNode, slots};
+use crate::bvh::{Child, WIDE, slots};
 use crate::columns::{Hits, Rays};
 use crate::kernel::ray_box::Padding;
 use crate::kind::triangle::TriangleLeaf;
 use crate::lane::compaction::{CHUNK, compress_where};
-use crate::lane::{Bits, F32x8, Lane, set_bits};
+use crate::lane::{Bits, F32x8, Lane};
 use crate::math::Ray;
 use boxes::pass_boxes;
 use hit_batch::HitBatch;
+use leaf_tests::{LeafTests, Nearest};
 pub use listed::{BATCH, ListedRay};
 use listed::{entry_of, update_hit};
 use stream_ray::StreamRay;
 pub use visiting::VisitLeaf;
-
-/// From this many pairs of a ray and a leaf on, triangles are tested in two loops. Values from 16 to 128 are
-/// equal within 2 %.
-const MIN_LONG: usize = 24;
-/// If any-hit rays reach more leaves of a node than this, on average, they are tested in one loop: a hit
-/// there saves the tests of the other leaves.
-const MAX_LEAVES: usize = 2;
 
 /// The working memory of a thread: two MiB.
 pub struct Stream {
@@ -165,24 +160,6 @@ fn grow<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
     }
 }
 
-/// Writes the places of those of the first `count` masks that are not 0 into `found`; returns them.
-#[inline(always)]
-fn places_of_masks<'a>(
-    count: usize,
-    masks: &mut [u16],
-    iota: &[u16; BATCH],
-    found: &'a mut [u16],
-) -> &'a [u16] {
-    masks[count..count + CHUNK].fill(0);
-    let chunks = iota.as_chunks::<CHUNK>().0.iter().zip(masks.as_chunks::<CHUNK>().0);
-    let mut top = 0;
-    for (iota, masks) in chunks.take(count.div_ceil(CHUNK)) {
-        let to = found[top..].first_chunk_mut().expect("`found` has room for all pairs");
-        top += compress_where(iota, masks, u16::MAX, to);
-    }
-    &found[..top]
-}
-
 /// The traversal of rays of a batch that are traced together.
 struct StreamTraversal<'a, 'b, C, T> {
     stream: &'a mut Stream,
@@ -191,39 +168,6 @@ struct StreamTraversal<'a, 'b, C, T> {
     hits: &'a mut Hits<'b>,
     counter: C,
     tests: T,
-}
-
-/// Tests the rays that reach leaves of triangles.
-trait LeafTests: Sized {
-    /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles in its slot. The
-    /// rays come from the `count` rays of a node.
-    fn triangle_leaves<const ANY: bool>(
-        rays: &mut StreamTraversal<'_, '_, impl CounterSink, Self>,
-        node: &WideNode,
-        reached: u32,
-        start: usize,
-        counts: [usize; 2],
-    );
-}
-
-/// Keeps the nearest hits.
-struct Nearest;
-
-impl LeafTests for Nearest {
-    #[inline(always)]
-    fn triangle_leaves<const ANY: bool>(
-        rays: &mut StreamTraversal<'_, '_, impl CounterSink, Self>,
-        node: &WideNode,
-        reached: u32,
-        start: usize,
-        [paired, count]: [usize; 2],
-    ) {
-        if paired >= MIN_LONG && !(ANY && paired > MAX_LEAVES * count) {
-            rays.triangles_then_hits::<ANY>(node, reached, start, paired);
-        } else if paired > 0 {
-            rays.triangles::<ANY>(node, reached, start, paired);
-        }
-    }
 }
 
 impl<C: CounterSink, T: LeafTests> StreamTraversal<'_, '_, C, T> {
@@ -317,64 +261,6 @@ impl<C: CounterSink, T: LeafTests> StreamTraversal<'_, '_, C, T> {
                 hierarchy.intersect_ray(leaf, &rays.packet(listed.ray()), &mut hit);
                 Some(hit)
             });
-        }
-    }
-}
-
-impl<C: CounterSink> StreamTraversal<'_, '_, C, Nearest> {
-    /// Tests the `count` rays listed from `start` on, each against the leaf of triangles in its slot: one
-    /// loop over all leaves, because most lists of large hierarchies hold two or three rays.
-    #[inline(never)]
-    fn triangles<const ANY: bool>(&mut self, node: &WideNode, reached: u32, start: usize, count: usize) {
-        let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { stream_rays, lists, slots, leaves, .. } = &mut **stream;
-        let leaves = hierarchy.triangle_leaves(node, reached, leaves);
-        for (&entry, &slot) in lists[start..start + count].iter().zip(&*slots) {
-            let slot = usize::from(slot) & (WIDE - 1);
-            update_hit::<ANY>(entry, stream_rays, hits, |listed, hits| {
-                counter.leaf(hierarchy, node.children()[slot], 1);
-                let candidates = leaves[slot].candidates(listed.stored_woop());
-                (candidates != 0).then(|| listed.accept(leaves[slot], candidates, hits))
-            });
-        }
-    }
-
-    /// Tests long lists in two loops: the first tests all pairs, without a branch; the second accepts its
-    /// results, as many at a time as a vector has lanes. One test in ten finds a hit; a branch for it is
-    /// often mispredicted, and then the tests begun behind it are lost: some 110 cycles, as much as four
-    /// tests.
-    #[inline(never)]
-    fn triangles_then_hits<const ANY: bool>(
-        &mut self,
-        node: &WideNode,
-        reached: u32,
-        start: usize,
-        count: usize,
-    ) {
-        let Self { stream, hierarchy, hits, counter, .. } = self;
-        let Stream { stream_rays, lists, slots: tags, masks, found, iota, leaves, candidates, .. } =
-            &mut **stream;
-        let leaves = hierarchy.triangle_leaves(node, reached, leaves);
-        let slot_of = |slot: u8| usize::from(slot) & (WIDE - 1);
-        let pairs = lists[start..start + count].chunks(BATCH).zip(tags.chunks(BATCH));
-        for (entries, slots) in pairs {
-            for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
-                let (slot, listed) = (slot_of(slot), ListedRay::new(entry, stream_rays));
-                counter.leaf(hierarchy, node.children()[slot], 1);
-                *mask = leaves[slot].candidates(listed.stored_woop()) as u16;
-            }
-            for &place in places_of_masks(entries.len(), masks, iota, found) {
-                let place = usize::from(place) & (BATCH - 1);
-                let leaf = leaves[slot_of(slots[place])];
-                for triangle in set_bits(u32::from(masks[place])) {
-                    if candidates.push(entries[place], leaf, triangle) {
-                        candidates.accept::<ANY>(stream_rays, hits);
-                    }
-                }
-            }
-            if !candidates.is_empty() {
-                candidates.accept::<ANY>(stream_rays, hits);
-            }
         }
     }
 }

@@ -1,10 +1,14 @@
 //! Visits leaves of triangles with rays in streams, for queries about more than the nearest hit.
 
+use super::hit_batch::HitBatch;
+use super::leaf_tests::{AcceptHits, LeafTests, places_of_masks};
 use super::listed::{BATCH, ListedRay};
-use super::{LeafTests, Padded, Stream, StreamTraversal, places_of_masks};
+use super::stream_ray::StreamRay;
+use super::{Padded, Stream, StreamTraversal};
 use crate::bvh::{WIDE, WideNode};
 use crate::columns::{Hits, Rays};
 use crate::kind::triangle::TriangleLeaf;
+use crate::math::Hit;
 use crate::traverse::counter::CounterSink;
 
 /// Visits rays and leaves of triangles whose boxes they pass.
@@ -21,6 +25,9 @@ pub trait VisitLeaf {
 /// The leaf tests that a visitor makes.
 struct Visiting<V>(V);
 
+/// The leaf tests for every hit.
+struct EveryHit<V>(V);
+
 impl Stream {
     /// Visits the leaves of triangles whose boxes up to [`BATCH`] rays pass before their `t_max`. With `ANY`,
     /// the order of nodes is arbitrary.
@@ -35,6 +42,23 @@ impl Stream {
         if !rays.is_empty() {
             let mut hits = Hits { t: t_max, primitive: &mut [], u: &mut [], v: &mut [] };
             self.trace_batch::<ANY, _>(padded, rays, &mut hits, (), Visiting(visitor));
+        }
+    }
+
+    /// Calls `visit` with up to [`BATCH`] rays, by index, and each of their hits with triangles before
+    /// `t_max`, in no order.
+    pub fn visit_hits(
+        &mut self,
+        padded: Padded,
+        rays: &Rays,
+        t_max: &mut [f32],
+        mut visit: impl FnMut(usize, Hit<f32>),
+    ) {
+        assert!(rays.len() <= BATCH, "{} rays in a batch of {BATCH}", rays.len());
+        if !rays.is_empty() {
+            let mut hits = Hits { t: t_max, primitive: &mut [], u: &mut [], v: &mut [] };
+            self.trace_batch::<false, _>(padded, rays, &mut hits, (), EveryHit(&mut visit));
+            self.candidates.visit(&self.stream_rays, &mut visit);
         }
     }
 }
@@ -70,5 +94,34 @@ impl<V: VisitLeaf> LeafTests for Visiting<V> {
             }
         }
         tests.0.finish(|ray, end| stream_rays[ray].t = end);
+    }
+}
+
+impl<V: FnMut(usize, Hit<f32>)> LeafTests for EveryHit<V> {
+    #[inline(always)]
+    fn triangle_leaves<const ANY: bool>(
+        rays: &mut StreamTraversal<'_, '_, impl CounterSink, Self>,
+        node: &WideNode,
+        reached: u32,
+        start: usize,
+        [paired, _]: [usize; 2],
+    ) {
+        if paired > 0 {
+            rays.triangles_then_hits::<ANY>(node, reached, start, paired);
+        }
+    }
+}
+
+impl<V: FnMut(usize, Hit<f32>)> AcceptHits for EveryHit<V> {
+    const END_RAYS: bool = false;
+
+    #[inline(always)]
+    fn accept<const ANY: bool>(
+        &mut self,
+        candidates: &mut HitBatch,
+        stream_rays: &mut [StreamRay; BATCH],
+        _: &mut Hits,
+    ) {
+        candidates.visit(stream_rays, &mut self.0);
     }
 }

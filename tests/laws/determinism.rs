@@ -262,6 +262,7 @@ fn picture_is_the_same_for_every_combination_of_lanes_threads_tiles_and_calls() 
     for scene in scenes() {
         check_ways(&scene, |_, _, _| true);
     }
+    check_ways(&everything(FEW), |threads, tile, call| call == (threads + tile) % 2);
 }
 
 /// Renders at every width with those combinations of threads, tiles and calls (by their numbers) that are

@@ -349,6 +349,6 @@ fn random_scenes_have_the_same_finite_bits_at_every_width() {
 
 #[test]
 #[ignore = "minutes: run by .ci/run"]
-fn three_thousand_random_scenes_have_the_same_finite_bits_at_every_width() {
-    assert_no_fault(500..3_500);
+fn two_thousand_random_scenes_have_the_same_finite_bits_at_every_width() {
+    assert_no_fault(0..2_000);
 }

@@ -70,6 +70,13 @@ fn keys_move_the_camera_and_show_views_and_help() {
         viewer.press("Home");
         wait_for_picture(&viewer, "home", &home);
     }
+    // A wide aperture, focused on what is in the middle, and without perspective.
+    let wide = viewer.hold("u", || wait_for_another(&viewer, "blur", &home));
+    viewer.press("b");
+    viewer.press("End");
+    wait_for_another(&viewer, "parallel rays", &wide);
+    viewer.press("Home");
+    wait_for_picture(&viewer, "the scene's own lens", &home);
     let mut before = home.clone();
     for digit in ["2", "3", "4", "6", "8", "0"] {
         viewer.press(digit);

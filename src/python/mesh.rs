@@ -62,7 +62,7 @@ fn rays<'a>((origins, directions, t_min, t_max): &'a RayArrays) -> PyResult<Rays
     Ok(rays.after(t_min.numbers()?).until(t_max.numbers()?))
 }
 
-/// Returns an error of a part that begins with a ray as that of the whole.
+/// Converts the error of a part of the rays, whose first is ray `first` of all.
 fn error(error: Error, first: usize) -> PyErr {
     let error = match error {
         Error::Ray { index, number } => Error::Ray { index: index + first, number },
@@ -241,8 +241,8 @@ impl Mesh {
         self.map(py, points.len(), |of, range| of.contains(points.range(range)))
     }
 
-    /// Returns for each point whether it is between two corners, and rays from it along a direction and back
-    /// cross an odd number of faces: 0 if not, 1 if both do, 2 if one does and both hit.
+    /// Returns a verdict for each point, by rays along a direction and back: 1, inside, if both cross an odd
+    /// number of faces; 2, undecided, if one does, and both hit; 0, outside, otherwise, and beyond `corners`.
     fn sides<'py>(
         &self,
         py: Python<'py>,
@@ -259,8 +259,14 @@ impl Mesh {
             let mut sides = vec![0; range.len()];
             let (places, between): (Vec<usize>, Vec<[f64; 3]>) =
                 range.map(|at| points.get(at)).enumerate().filter(|(_, point)| is_between(*point)).unzip();
-            let [there, back] = directions.map(|direction| of.count(&Rays::new(&between, direction)));
-            for (place, (there, back)) in places.into_iter().zip(there?.into_iter().zip(back?)) {
+            let count = |direction| {
+                of.count(&Rays::new(&between, direction)).map_err(|error| match error {
+                    Error::Ray { index, number } => Error::Ray { index: places[index], number },
+                    other => other,
+                })
+            };
+            let [there, back] = directions.map(count);
+            for (&place, (there, back)) in places.iter().zip(there?.into_iter().zip(back?)) {
                 sides[place] = match (there % 2, back % 2) {
                     (1, 1) => 1,
                     (0, 0) => 0,
@@ -333,17 +339,16 @@ struct Kept {
 impl Mesh {
     /// Returns the hits of [`Mesh::hits_by_depth`], ray by ray.
     fn kept(&self, py: Python, rays: &Rays, max_hits: usize, apart: f64) -> PyResult<Vec<Kept>> {
-        // Many hits may be one, but the first is.
+        // Merging may drop later hits, never the first.
         let most = if max_hits == 1 { 1 } else { usize::MAX };
+        let max_hits = u32::try_from(max_hits).unwrap_or(u32::MAX);
         let mut kept = Vec::new();
         self.for_parts(py, rays.len(), |of, range| {
             let AllHits { offsets, hits } = of.first_hits(&rays.range(range.clone()), most)?;
-            for (ray, hits_of_ray) in (range.start as u32..).zip(offsets.windows(2)) {
+            for (ray, ends) in (range.start as u32..).zip(offsets.windows(2)) {
                 let (mut last, mut depth) = (f64::NEG_INFINITY, 0);
-                let hits_of_ray = hits_of_ray[0]..hits_of_ray[1];
-                let of_ray = hits.t[hits_of_ray.clone()].iter().zip(&hits.primitive[hits_of_ray]);
-                for (&t, &face) in of_ray {
-                    if (depth as usize) < max_hits && t - last > apart * t {
+                for (&t, &face) in hits.t[ends[0]..ends[1]].iter().zip(&hits.primitive[ends[0]..ends[1]]) {
+                    if depth < max_hits && t - last > apart * t {
                         kept.push(Kept { depth, ray, face, t });
                         (last, depth) = (t, depth + 1);
                     }
@@ -354,7 +359,7 @@ impl Mesh {
         Ok(kept)
     }
 
-    /// Fetches what [`Mesh::location`] will read for one of the next hits.
+    /// Fetches what [`Mesh::location`] will read for later hits.
     #[inline(always)]
     fn prefetch(&self, next: &[Kept]) {
         if self.precision == Precision::Single {

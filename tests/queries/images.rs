@@ -14,7 +14,7 @@ fn image(width: usize, height: usize) -> Vec<[f64; 3]> {
     let direction = |at: usize| {
         let [x, y] = [at % width, at / width].map(|at| at as f64 + 0.5);
         let down = DVec3::new(x / width as f64 - 0.5, y / height as f64 - 0.5, -1.0);
-        if at.is_multiple_of(3) { down.normalize() } else { down * 2.0 }.to_array()
+        if width.is_multiple_of(2) { down.normalize() } else { down * 2.0 }.to_array()
     };
     (0..width * height).map(direction).collect()
 }
@@ -48,10 +48,13 @@ fn rays_of_images_have_the_answers_of_rays_in_any_order() {
         let intersector = built(from_ref(&mesh), precision);
         for (width, height) in [(16, 9), (17, 60), (40, 17), (61, 23), (447, 80), (5000, 4)] {
             let all = image(width, height);
-            // Whole images, and parts that begin and end within rows.
-            for (first, last) in
-                [(0, all.len()), (5, all.len() - 3), (width - 1, all.len()), (width - 9, 3 * width)]
-            {
+            // Whole images, and parts that begin and end within rows, also one ray behind a group of eight.
+            for (first, last) in [
+                (0, all.len()),
+                (5, all.len() - 3),
+                (width - 1, all.len()),
+                (width - 2, all.len() - width + 9),
+            ] {
                 let directions = &all[first..last];
                 let origins = vec![EYE; directions.len()];
                 for t_min in [0.0, 1.0] {

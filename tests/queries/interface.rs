@@ -271,6 +271,11 @@ fn odd_rays_hit_nothing_and_odd_triangles_are_not_hit() {
         assert_eq!(count(below, up, 0.0, INFINITE), 3, "{precision:?}");
         assert_eq!(count(below, [0.0, 0.0, 1e-9], -1.0, INFINITE), 3);
         assert_eq!(count(below, [0.0, 0.0, 1e30], 0.0, f64::MAX), 3);
+        if precision == Precision::Single {
+            // These are hit at a t above the largest double.
+            assert_eq!(count([-0.5, 0.25, -1e3], [0.0, 0.0, 1e-306], 0.0, INFINITE), 0);
+            assert_eq!(count([-0.5, 0.25, -1e3], [0.0, 0.0, 1e-304], 0.0, INFINITE), 3);
+        }
         for (t_min, t_max, expected) in [(0.0, 2.0, 0), (0.0, 2.5, 2), (2.0, 4.0, 0), (2.0, 4.5, 1)] {
             assert_eq!(count(below, up, t_min, t_max), expected, "{precision:?}: {t_min} to {t_max}");
         }

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import Mesh, _rays, _triples
 
-# The direction of the rays of `contains_points` if the mesh is open, as trimesh's.
-_DIRECTION = (0.4395064455, 0.617598629942, 0.652231566745)
+# The directions of the rays of `contains_points` if the mesh is open: the first is that of trimesh, the second
+# decides about points that the first leaves undecided.
+_DIRECTIONS = ((0.4395064455, 0.617598629942, 0.652231566745), (0.136962, -0.230213, -0.459027))
 
 
 class RayMeshIntersector:
@@ -74,23 +75,23 @@ class RayMeshIntersector:
     def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Test which points are inside.
 
-        If the mesh is not watertight, rays both ways must agree, as in trimesh.
+        If the mesh is not watertight, points inside its bounds are inside if rays along a direction and back
+        both cross an odd number of faces. Where only one does and both hit, a second direction decides.
         """
         points = _triples("points", points)
         mesh = self._mesh()
         if self.mesh.is_watertight:
             return mesh.contains(points)
-        inside = np.zeros(len(points), bool)
         if len(mesh.faces) == 0:
-            return inside
-        left, bounds = slice(None), self.mesh.bounds.tolist()
-        for direction in (_DIRECTION, (np.random.default_rng(0).random(3) - 0.5).tolist()):
-            sides = mesh._mesh.sides(points[left], direction, bounds)
-            inside[left] = sides == 1
-            left = np.flatnonzero(sides == 2)
-        return inside
+            return np.zeros(len(points), bool)
+        bounds = self.mesh.bounds.tolist()
+        verdicts = mesh._mesh.sides(points, _DIRECTIONS[0], bounds)
+        undecided = np.flatnonzero(verdicts == 2)
+        verdicts[undecided] = mesh._mesh.sides(points[undecided], _DIRECTIONS[1], bounds)
+        return verdicts == 1
 
     def _hits(self, origins: ArrayLike, directions: ArrayLike, multiple: bool, most: int) -> tuple:
+        """Find faces, rays and locations of hits, at most so many of each ray."""
         mesh = self._mesh()
         rays = _rays(origins, directions, -1.0)
         if not multiple:

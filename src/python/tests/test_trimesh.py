@@ -9,7 +9,8 @@ import pytest
 trimesh = pytest.importorskip("trimesh")
 pytest.importorskip("rtree")
 
-from octray.trimesh import RayMeshIntersector  # noqa: E402
+import octray  # noqa: E402
+from octray.trimesh import _DIRECTIONS, RayMeshIntersector  # noqa: E402
 
 
 def meshes():
@@ -50,6 +51,25 @@ def test_contains(closed):
     radius = np.linalg.norm(points, axis=1)
     inside = mine.contains_points(points)
     assert inside[radius < 0.9].mean() > (0.999 if closed else 0.95) and not inside[radius > 1].any()
+
+
+def test_points_in_open_meshes_are_inside_if_rays_both_ways_are_odd():
+    random = np.random.default_rng(7)
+    soup = trimesh.Trimesh(random.uniform(-1, 1, (600, 3)), np.arange(600).reshape(-1, 3), process=False)
+    points = random.uniform(-1.2, 1.2, (2000, 3))
+    count = octray.Mesh(soup.vertices, soup.faces).count
+    expected = np.zeros(len(points), bool)
+    low, high = soup.bounds
+    left = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
+    for direction in _DIRECTIONS:
+        there, back = (count(points[left], sign * np.array(direction)) for sign in (1, -1))
+        inside = (there % 2 == 1) & (back % 2 == 1)
+        assert inside.sum() > 50
+        expected[left] = inside
+        left = left[(there % 2 != back % 2) & (there > 0) & (back > 0)]
+    assert (RayMeshIntersector(soup).contains_points(points) == expected).all()
+    with pytest.raises(ValueError, match="ray or point 2: 1e-40"):
+        RayMeshIntersector(soup).contains_points([[9, 9, 9], [9, 9, 9], [1e-40, 0, 0]])
 
 
 def test_edges_are_hit_once_and_origins_on_a_face_too():

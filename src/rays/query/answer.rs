@@ -128,9 +128,9 @@ impl HitsMut<'_> {
             return;
         }
         for (at, &number) in numbers.iter().enumerate() {
-            let (of, place) = if number == MISS { (MISS, MISS) } else { surfaces.place(number) };
-            set(surface, at, of);
-            set(primitive, at, place);
+            let place = if number == MISS { (MISS, MISS) } else { surfaces.place(number) };
+            set(surface, at, place.0);
+            set(primitive, at, place.1);
         }
     }
 }

@@ -209,7 +209,7 @@ pub struct Rays<'a> {
     t_max: Numbers<'a>,
 }
 
-/// Rays as columns. Those behind the last have a direction of 0, or are rays loaded before.
+/// Rays as columns. Lanes beyond the last ray hold zeros or earlier rays.
 pub(super) struct Block {
     pub origin: [[f64; BLOCK]; 3],
     pub direction: [[f64; BLOCK]; 3],
@@ -312,7 +312,7 @@ impl<'a> Rays<'a> {
     /// Fetches the origins and directions of the rays that [`Rays::load`] would return.
     #[inline(always)]
     pub(super) fn prefetch_block(&self, order: &TraceOrder, first: usize) {
-        // Two points are at most one cache line.
+        // Two points take at most 48 bytes, so every second ray is fetched.
         for place in (0..BLOCK / 2).map(|pair| first + 2 * pair) {
             if place < order.len() {
                 self.prefetch(order.ray(place));

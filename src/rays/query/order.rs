@@ -5,34 +5,36 @@ use super::input::Rays;
 use glam::DVec3;
 use std::ops::Range;
 
-/// The number of neighbours in a row that stay together.
+/// The number of neighbours in a row that are traced one after the other.
 const GROUP: usize = 8;
 /// The number of rows of a block of pixels.
 const BLOCK_ROWS: usize = 8;
 /// The least number of pixels in a row.
 const LEAST_WIDTH: usize = 16;
 
-/// The rays of a chunk in the order of tracing. In blocks of pixels, some rays have several places.
+/// The order in which the rays of a chunk are traced. A place is an index in this order. A ray may have
+/// several places: its answers are the same.
 pub(super) struct TraceOrder {
     range: Range<usize>,
-    /// The first of each [`GROUP`] of rays, relative to the range; empty if they are traced as they come.
+    /// The first ray of each group of [`GROUP`] rays, relative to the range; empty for the given order.
     groups: Vec<u32>,
-    /// The groups in the order of their rays in each band of rows, so that writes are sequential.
+    /// The groups row by row within each row of blocks, so that writes are sequential.
     by_rows: Vec<u32>,
 }
 
 impl TraceOrder {
-    /// Returns rays in the order in which they come.
+    /// Creates the order in which the rays are given.
     pub fn as_given(range: Range<usize>) -> Self {
         Self { range, groups: Vec::new(), by_rows: Vec::new() }
     }
 
-    /// Returns rays in blocks of pixels if they seem to be rows of an image.
-    pub fn in_blocks(rays: &Rays, range: Range<usize>) -> Self {
+    /// Creates an order in blocks of pixels for rays that seem to be rows of an image, and the given order
+    /// for others.
+    pub fn by_blocks(rays: &Rays, range: Range<usize>) -> Self {
         let Some((first, width)) = rows_of(rays, range.clone()) else { return Self::as_given(range) };
         let (rows, columns) = ((range.len() - first) / width, width.div_ceil(GROUP));
         let count = rows * columns + first.div_ceil(GROUP) + width.div_ceil(GROUP);
-        let [mut groups, mut by_rows] = [(); 2].map(|()| Vec::with_capacity(count));
+        let (mut groups, mut by_rows) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for top in (0..rows).step_by(BLOCK_ROWS) {
             let (height, before) = (BLOCK_ROWS.min(rows - top), groups.len());
             for column in 0..columns {
@@ -51,14 +53,14 @@ impl TraceOrder {
         Self { range, groups, by_rows }
     }
 
-    /// Tests whether the rays seem to be rows of an image.
-    pub fn is_in_blocks(&self) -> bool {
+    /// Tests whether the rays are traced in blocks of pixels.
+    pub fn has_blocks(&self) -> bool {
         !self.groups.is_empty()
     }
 
     /// Returns the number of places.
     pub fn len(&self) -> usize {
-        if self.is_in_blocks() { GROUP * self.groups.len() } else { self.range.len() }
+        if self.has_blocks() { GROUP * self.groups.len() } else { self.range.len() }
     }
 
     /// Returns the index of the ray at a place.
@@ -67,10 +69,11 @@ impl TraceOrder {
         self.range.start + self.offset(place)
     }
 
-    /// Splits places, the first of a group and those behind it, into runs whose rays are consecutive.
+    /// Splits places into runs of consecutive rays. The first place is that of a group's first ray.
     #[inline(always)]
     pub fn runs(&self, places: Range<usize>) -> impl Iterator<Item = Range<usize>> {
-        let size = if self.is_in_blocks() { GROUP } else { places.len().max(1) };
+        // A step is never 0, not even where there are no places.
+        let size = if self.has_blocks() { GROUP } else { places.len().max(1) };
         let end = places.end;
         places.step_by(size).map(move |place| place..end.min(place + size))
     }
@@ -78,11 +81,11 @@ impl TraceOrder {
     /// Calls `visit` with the places of consecutive rays, and the first of the rays relative to the chunk.
     #[inline(always)]
     pub fn for_runs(&self, mut visit: impl FnMut(Range<usize>, usize)) {
-        if !self.is_in_blocks() {
+        if !self.has_blocks() {
             return visit(0..self.len(), 0);
         }
         for &group in &self.by_rows {
-            // The compiler knows the length.
+            // All ranges have the length [`GROUP`], for which the compiler makes loops of their own.
             let (group, first) = (group as usize, self.groups[group as usize] as usize);
             visit(GROUP * group..GROUP * group + GROUP, first);
         }
@@ -91,7 +94,7 @@ impl TraceOrder {
     /// Returns the index of the ray at a place, relative to the chunk.
     #[inline(always)]
     fn offset(&self, place: usize) -> usize {
-        if self.is_in_blocks() { self.groups[place / GROUP] as usize + place % GROUP } else { place }
+        if self.has_blocks() { self.groups[place / GROUP] as usize + place % GROUP } else { place }
     }
 }
 
@@ -105,10 +108,10 @@ fn rows_of(rays: &Rays, range: Range<usize>) -> Option<(usize, usize)> {
     }
     let direction = |at: usize| DVec3::from(rays.direction(range.start + at));
     let step = |at: usize| direction(at) - direction(at - 1);
-    // Where the next row begins, directions go back.
+    // A row ends where the step between directions turns by 90° or more.
     let next_row = |from: usize| {
         let forward = step(from + 1);
-        (from + 2..(from + count / 2).min(count)).find(|&at| forward.dot(step(at)) <= 0.0)
+        (from + 2..(from + count / 4).min(count)).find(|&at| forward.dot(step(at)) <= 0.0)
     };
     let first = next_row(0)?;
     let width = next_row(first)? - first;

@@ -23,7 +23,7 @@ pub(super) struct SceneRays {
     /// The length of each direction, and how far its origin was moved, in units of the structure.
     pub scale: Vec<f64>,
     moved: Vec<f64>,
-    /// The rays, in order, that are not [`Usual`]: their ends are −∞.
+    /// The places, in order, of rays that are not [`Usual`]: with bounds, their ends are −∞.
     pub unusual: Vec<usize>,
     /// The greatest extent to add, and the largest coordinate of the origins.
     pub greatest: [f64; 2],
@@ -59,8 +59,8 @@ struct Columns<'a> {
 }
 
 impl SceneRays {
-    /// Converts rays. Without `BOUNDS`, origins are not moved, and only directions, origins, scales and the
-    /// ends −∞ are defined.
+    /// Converts rays. Without `BOUNDS`, no origin is moved, all ends are ∞, and the other bounds of t
+    /// are unspecified.
     pub fn fill<const BOUNDS: bool>(
         &mut self,
         coordinates: &Coordinates,
@@ -96,6 +96,8 @@ impl SceneRays {
         }
         let all_ends = [starts, sure_starts, sure_ends, ends];
         columns.iter_mut().chain(all_ends).for_each(|column| column.truncate(order.len()));
+        scale.truncate(order.len());
+        moved.truncate(order.len());
         self.greatest = greatest.map(|numbers| numbers.to_array().into_iter().fold(0.0, f64::max));
         self.are_endless = is_endless && self.greatest[0] == 0.0;
     }
@@ -132,7 +134,7 @@ type V = F64x8;
 #[inline(always)]
 fn bounds(t: V, (scale, moved): (V, V)) -> [[f32; 8]; 2] {
     const SLACK: f64 = 1.0 / (1_u64 << 48) as f64;
-    // Without infinities, whose difference is NaN.
+    // The difference of infinities would be NaN.
     let t = (t * scale).fast_max(V::splat(-1e300)).fast_min(V::splat(1e300));
     let (near, error) = (t - moved, (t.abs() + moved) * V::splat(SLACK));
     let lo = single(near - error).map(|lo| lo.min(f32::MAX));
@@ -167,7 +169,7 @@ struct Converted {
 
 impl Converted {
     #[inline(always)]
-    fn new<const MOVED: bool>(
+    fn new<const BOUNDS: bool>(
         (from, direction): ([V; 3], [V; 3]),
         ends: [V; 2],
         &Coordinates { origin, unit }: &Coordinates,
@@ -195,7 +197,7 @@ impl Converted {
             & squared.simd_le(all(SQUARED[1]))
             & ends[0].simd_lt(ends[1]);
         let (mut start, mut moved, mut greatest, mut is_near) = (in_scene, zero, [zero; 2], is_usual);
-        if MOVED {
+        if BOUNDS {
             let distance = largest(in_scene);
             let is_far = all(FAR * extent).simd_lt(distance);
             let extra = is_far & (distance * all(EXTRA));
@@ -220,8 +222,8 @@ impl Converted {
     }
 }
 
-/// Converts a block of rays; returns one bit for each that is usual. `greatest` become the greatest extent to
-/// add and the largest coordinate so far. Endless rays are from 0 to ∞.
+/// Converts a block of rays; returns one bit for each that is usual. `greatest` holds the greatest extent to
+/// add and the largest coordinate so far. `is_endless` says that all rays are from 0 to ∞.
 #[inline(always)]
 fn convert<const BOUNDS: bool>(
     block: &Block,
@@ -245,9 +247,8 @@ fn convert<const BOUNDS: bool>(
         *part_mut(scale, at) = rays.scale.to_array();
         are_usual |= u64::from(rays.is_usual.to_bitmask()) << at;
         let is_near = rays.is_near.to_bitmask();
-        let or_nothing = |lane: usize, end| if is_near >> lane & 1 != 0 { end } else { f32::NEG_INFINITY };
         if !BOUNDS {
-            *part_mut(ends, at) = std::array::from_fn(|lane| or_nothing(lane, f32::INFINITY));
+            *part_mut(ends, at) = [f32::INFINITY; 8];
             continue;
         }
         *part_mut(moved, at) = rays.moved.to_array();
@@ -259,7 +260,9 @@ fn convert<const BOUNDS: bool>(
             [*part_mut(starts, at), *part_mut(sure_starts, at)] = bounds(t_min, of_t);
             let [sure, end] = bounds(t_max, of_t);
             *part_mut(sure_ends, at) = sure;
-            *part_mut(ends, at) = std::array::from_fn(|lane| or_nothing(lane, end[lane]));
+            let or_nothing =
+                |lane: usize| if is_near >> lane & 1 != 0 { end[lane] } else { f32::NEG_INFINITY };
+            *part_mut(ends, at) = std::array::from_fn(or_nothing);
         }
         greatest.iter_mut().zip(rays.greatest).for_each(|(most, number)| *most = most.fast_max(number));
     }

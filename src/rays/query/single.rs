@@ -24,7 +24,7 @@ pub(super) struct Batch {
     found: Vec<(u32, Hit<f32>)>,
 }
 
-/// Rays may be anywhere, and have any finite numbers.
+/// All rays with finite numbers are usual, wherever they begin.
 const USUAL: Usual = Usual { numbers: [0.0, f64::MAX], extent: f64::INFINITY };
 
 /// Returns the rays of columns.
@@ -59,7 +59,7 @@ impl Batch {
             t_max => end(t_max, scale),
         };
         if !rays.have_no_ends() {
-            for (at, &scale) in scale.iter().enumerate().take(order.len()) {
+            for (at, &scale) in scale.iter().enumerate() {
                 let [t_min, t_max] = rays.ends(order.ray(at));
                 (starts[at], ends[at]) = (start(t_min, scale), exact_end(t_max, scale));
             }
@@ -80,7 +80,8 @@ impl Batch {
                 let direction = (direction / largest).normalize().as_vec3().to_array();
                 let from = coordinates.to_scene(origin.into()).as_vec3().to_array();
                 columns.iter_mut().zip(from.into_iter().chain(direction)).for_each(|(to, x)| to[at] = x);
-                (starts[at], ends[at]) = (start(t_min, of_ray), exact_end(t_max, of_ray));
+                // A t that overflows is no hit.
+                (starts[at], ends[at]) = (start(t_min, of_ray), end(t_max.min(f64::MAX), of_ray));
                 scale[at] = of_ray;
             }
         }
@@ -113,7 +114,7 @@ impl Batch {
         range: Range<usize>,
         mut hits: HitsMut,
     ) {
-        let order = TraceOrder::in_blocks(rays, range);
+        let order = TraceOrder::by_blocks(rays, range);
         self.trace::<false>(structure, rays, &order);
         order.for_runs(|places, first| self.write(surfaces, places, first, &mut hits));
     }
@@ -141,9 +142,9 @@ impl Batch {
     /// Tests which rays hit anything.
     pub fn occluded(&mut self, structure: &Structure, rays: &Rays, range: Range<usize>) -> Vec<bool> {
         let mut are_occluded = vec![false; range.len()];
-        let order = TraceOrder::in_blocks(rays, range);
-        if order.is_in_blocks() {
-            // Packets of rays find first hits as fast.
+        let order = TraceOrder::by_blocks(rays, range);
+        if order.has_blocks() {
+            // For packets of coherent rays, first hits take no longer than any hits.
             self.trace::<false>(structure, rays, &order);
         } else {
             self.trace::<true>(structure, rays, &order);

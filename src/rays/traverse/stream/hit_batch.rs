@@ -21,6 +21,7 @@ pub struct HitBatch {
     /// The rays' entries in lists.
     entries: Column<u32>,
     primitives: Column<u32>,
+    /// The number of lanes in use.
     filled: usize,
 }
 
@@ -57,7 +58,8 @@ impl HitBatch {
     /// Stores the hits that are nearer than those so far, and empties the batch.
     #[inline(never)]
     pub fn accept<const ANY: bool>(&mut self, stream_rays: &mut [StreamRay; BATCH], hits: &mut Hits) {
-        let Some(Found { mask, t, limit, columns: [ts, us, vs] }) = self.find(stream_rays) else { return };
+        let Some(Tested { mask, t, limit, u, v }) = self.test(stream_rays) else { return };
+        let (ts, us, vs) = (column(t), column(u), column(v));
         // A hit at the limit itself may have a lower number. A ray may be in several lanes, each of which
         // compares anew.
         for lane in (mask & t.le(limit)).lanes() {
@@ -73,7 +75,8 @@ impl HitBatch {
     /// Calls `visit` with rays, by their index in the batch, and hits before their ends; empties the batch.
     #[inline(never)]
     pub fn visit(&mut self, stream_rays: &[StreamRay; BATCH], visit: &mut impl FnMut(usize, Hit<f32>)) {
-        let Some(Found { mask, t, limit, columns: [ts, us, vs] }) = self.find(stream_rays) else { return };
+        let Some(Tested { mask, t, limit, u, v }) = self.test(stream_rays) else { return };
+        let (ts, us, vs) = (column(t), column(u), column(v));
         for lane in (mask & t.lt(limit)).lanes() {
             let lane = lane & (NATIVE_WIDTH - 1);
             let hit = Hit { t: ts[lane], primitive: self.primitives[lane], u: us[lane], v: vs[lane] };
@@ -83,7 +86,7 @@ impl HitBatch {
 
     /// Tests all rays against their triangles, and empties the batch.
     #[inline(always)]
-    fn find(&mut self, stream_rays: &[StreamRay; BATCH]) -> Option<Found> {
+    fn test(&mut self, stream_rays: &[StreamRay; BATCH]) -> Option<Tested> {
         let filled = NativeMask::first(std::mem::take(&mut self.filled));
         let entries = NativeBits::load(&self.entries);
         let (box_ray, woop, limit) = StreamRay::columns(stream_rays, rays_of(entries), axes_of(entries));
@@ -94,21 +97,24 @@ impl HitBatch {
         let found = woop.test_each(corners)?;
         let infinite = Native::splat(f32::INFINITY);
         let (mask, t) = own_box(&box_ray, box_of(corners), found.mask & filled, found.t, infinite);
-        let column = |x: Native| {
-            let mut column = [0.0; NATIVE_WIDTH];
-            x.store(&mut column);
-            column
-        };
-        Some(Found { mask, t, limit, columns: [column(t), column(found.u), column(found.v)] })
+        Some(Tested { mask, t, limit, u: found.u, v: found.v })
     }
 }
 
-/// The hits of a batch.
-struct Found {
+/// The tests of a batch.
+struct Tested {
+    /// The rays that hit their triangles, at any distance.
     mask: NativeMask,
     t: Native,
+    u: Native,
+    v: Native,
     /// The ends of the rays.
     limit: Native,
-    /// t, u and v.
-    columns: [Column<f32>; 3],
+}
+
+#[inline(always)]
+fn column(x: Native) -> Column<f32> {
+    let mut column = [0.0; NATIVE_WIDTH];
+    x.store(&mut column);
+    column
 }

@@ -10,14 +10,14 @@ use crate::lane::compaction::{CHUNK, compress_where};
 use crate::lane::set_bits;
 use crate::traverse::counter::CounterSink;
 
-/// From this many pairs of a ray and a leaf on, triangles are tested in two loops. Values from 16 to 128 are
-/// equal within 2 %.
+/// From this many pairs of a ray and a leaf on, triangles are tested in two loops. The speeds of
+/// values from 16 to 128 differ by less than 2 %.
 const MIN_LONG: usize = 24;
 /// If any-hit rays reach more leaves of a node than this, on average, they are tested in one loop: a hit
 /// there saves the tests of the other leaves.
 const MAX_LEAVES: usize = 2;
 
-/// Tests the rays that reach leaves of triangles.
+/// The tests of rays that reach leaves of triangles.
 pub(super) trait LeafTests: Sized {
     /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles in its slot. The
     /// rays come from the `count` rays of a node.
@@ -26,13 +26,14 @@ pub(super) trait LeafTests: Sized {
         node: &WideNode,
         reached: u32,
         start: usize,
-        counts: [usize; 2],
+        paired: usize,
+        count: usize,
     );
 }
 
-/// Accepts hits, many at a time.
+/// A use of hits, which are found many at a time.
 pub(super) trait AcceptHits {
-    /// Whether hits end rays earlier, so that the candidates of a node are tested before those of the next.
+    /// Is true if hits end rays: the candidates of a node are then tested before those of the next.
     const END_RAYS: bool;
     /// Accepts the hits of candidates.
     fn accept<const ANY: bool>(
@@ -43,7 +44,7 @@ pub(super) trait AcceptHits {
     );
 }
 
-/// Keeps the nearest hits.
+/// The tests that keep the nearest hit of each ray.
 pub(super) struct Nearest;
 
 impl LeafTests for Nearest {
@@ -53,7 +54,8 @@ impl LeafTests for Nearest {
         node: &WideNode,
         reached: u32,
         start: usize,
-        [paired, count]: [usize; 2],
+        paired: usize,
+        count: usize,
     ) {
         if paired >= MIN_LONG && !(ANY && paired > MAX_LEAVES * count) {
             rays.triangles_then_hits::<ANY>(node, reached, start, paired);
@@ -99,8 +101,8 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C, Nearest> {
 impl<C: CounterSink, T: AcceptHits> StreamTraversal<'_, '_, C, T> {
     /// Tests long lists in two loops: the first tests all pairs, without a branch; the second accepts its
     /// results, as many at a time as a vector has lanes. One test in ten finds a hit; a branch for it is
-    /// often mispredicted, and then the tests begun behind it are lost: some 110 cycles, as much as four
-    /// tests.
+    /// often mispredicted. The tests begun behind it are then lost, which costs some 110 cycles, as much as
+    /// four tests.
     #[inline(never)]
     pub(super) fn triangles_then_hits<const ANY: bool>(
         &mut self,

@@ -55,7 +55,7 @@ pub struct Stream {
     iota: Box<[u16; BATCH]>,
     /// Memory for the expanded leaves of a node.
     leaves: Box<[TriangleLeaf; WIDE]>,
-    /// Rays and triangles still to be accepted as hits; empty between loops.
+    /// Rays and triangles still to be accepted as hits; empty between batches.
     candidates: Box<HitBatch>,
 }
 
@@ -228,7 +228,7 @@ impl<C: CounterSink, T: LeafTests> StreamTraversal<'_, '_, C, T> {
             spans[slot] = list(slot);
         }
         // Leaves first, because hits in them save tests of the nodes' children.
-        T::triangle_leaves::<ANY>(self, node, triangles, free, [paired, count]);
+        T::triangle_leaves::<ANY>(self, node, triangles, free, paired, count);
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
             self.other_leaf::<ANY>(node.children()[slot], start, count);

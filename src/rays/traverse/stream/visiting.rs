@@ -70,13 +70,14 @@ impl<V: VisitLeaf> LeafTests for Visiting<V> {
         node: &WideNode,
         reached: u32,
         start: usize,
-        [paired, _]: [usize; 2],
+        paired: usize,
+        _: usize,
     ) {
         let StreamTraversal { stream, hierarchy, tests, .. } = rays;
         let Stream { stream_rays, lists, slots, masks, found, iota, leaves, .. } = &mut **stream;
         let leaves = hierarchy.triangle_leaves(node, reached, leaves);
         let leaf_of = |slot: u8| leaves[usize::from(slot) & (WIDE - 1)];
-        // Two loops, as in `triangles_then_hits`.
+        // The two loops are those of `triangles_then_hits`.
         for (entries, slots) in lists[start..start + paired].chunks(BATCH).zip(slots.chunks(BATCH)) {
             for ((mask, &entry), &slot) in masks.iter_mut().zip(entries).zip(slots) {
                 *mask = tests.0.candidates(&ListedRay::new(entry, stream_rays), leaf_of(slot)) as u16;
@@ -104,7 +105,8 @@ impl<V: FnMut(usize, Hit<f32>)> LeafTests for EveryHit<V> {
         node: &WideNode,
         reached: u32,
         start: usize,
-        [paired, _]: [usize; 2],
+        paired: usize,
+        _: usize,
     ) {
         if paired > 0 {
             rays.triangles_then_hits::<ANY>(node, reached, start, paired);

@@ -45,8 +45,8 @@
 //!   not between 2⁻¹²⁰ and 2¹²⁰ (8·10⁻³⁷ to 10³⁶); for rays only in [`Precision::Exact`], where components
 //!   of directions may be as small as 2⁻¹⁶² (2·10⁻⁴⁹).
 //! - Answers do not depend on the number of threads, nor on the rays beside.
-//! - **Order** matters for speed only: the rays of an image are fastest row by row, other rays where neighbours
-//!   begin and run alike.
+//! - **Order** matters for speed only: the rays of an image are fastest row by row, other rays where
+//!   neighbours begin and run alike.
 
 mod answer;
 mod exact;

@@ -41,7 +41,7 @@ pub struct Intersector {
     threads: Threads,
 }
 
-/// What a thread works with.
+/// The working memory of a thread.
 #[derive(Default)]
 struct Work {
     memory: Memory,

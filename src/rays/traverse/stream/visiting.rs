@@ -38,11 +38,7 @@ impl Stream {
         t_max: &mut [f32],
         visitor: impl VisitLeaf,
     ) {
-        assert!(rays.len() <= BATCH, "{} rays in a batch of {BATCH}", rays.len());
-        if !rays.is_empty() {
-            let mut hits = Hits { t: t_max, primitive: &mut [], u: &mut [], v: &mut [] };
-            self.trace_batch::<ANY, _>(padded, rays, &mut hits, (), Visiting(visitor));
-        }
+        self.test_leaves::<ANY>(padded, rays, t_max, Visiting(visitor));
     }
 
     /// Calls `visit` with up to [`BATCH`] rays, by index, and each of their hits with triangles before
@@ -54,11 +50,24 @@ impl Stream {
         t_max: &mut [f32],
         mut visit: impl FnMut(usize, Hit<f32>),
     ) {
+        self.test_leaves::<false>(padded, rays, t_max, EveryHit(&mut visit));
+        if !self.candidates.is_empty() {
+            self.candidates.visit(&self.stream_rays, &mut visit);
+        }
+    }
+
+    /// Runs the tests of leaves that up to [`BATCH`] rays reach before their `t_max`.
+    fn test_leaves<const ANY: bool>(
+        &mut self,
+        padded: Padded,
+        rays: &Rays,
+        t_max: &mut [f32],
+        tests: impl LeafTests,
+    ) {
         assert!(rays.len() <= BATCH, "{} rays in a batch of {BATCH}", rays.len());
         if !rays.is_empty() {
             let mut hits = Hits { t: t_max, primitive: &mut [], u: &mut [], v: &mut [] };
-            self.trace_batch::<false, _>(padded, rays, &mut hits, (), EveryHit(&mut visit));
-            self.candidates.visit(&self.stream_rays, &mut visit);
+            self.trace_batch::<ANY, _>(padded, rays, &mut hits, (), tests);
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::pool::{in_parts, pool};
 use bytemuck::allocation::cast_vec;
 use bytemuck::{cast_slice, cast_slice_mut};
+use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use octray_rays::Tracer;
 use octray_rays::lane::prefetch;
@@ -11,6 +12,7 @@ use octray_rays::query::{
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::mem::take;
 use std::ops::Range;
 
 /// A C-contiguous array of n points or vectors, or one for all.
@@ -118,15 +120,10 @@ impl Mesh {
 
     /// Finds the first hits of rays, and writes them into columns.
     fn closest_to(&self, py: Python, rays: &Rays, hits: HitsMut) -> PyResult<()> {
-        let HitsMut { t, surface: _, primitive, u, v } = hits;
+        let mut rest = hits;
         self.for_parts(py, rays.len(), |of, range| {
-            let part = HitsMut {
-                t: part(t, &range),
-                surface: &mut [],
-                primitive: part(primitive, &range),
-                u: part(u, &range),
-                v: part(v, &range),
-            };
+            let part;
+            (part, rest) = take(&mut rest).split(range.len());
             of.closest_to(&rays.range(range), part)
         })
     }
@@ -141,22 +138,19 @@ impl Mesh {
     }
 
     /// Returns where a ray meets a face, with t computed from the face's plane in double precision.
-    fn location(&self, origin: [f64; 3], direction: [f64; 3], (t, face): (f64, u32)) -> [f64; 3] {
+    fn location(&self, [origin, direction]: [DVec3; 2], (t, face): (f64, u32)) -> [f64; 3] {
         let mut t = t;
         if self.precision == Precision::Single {
             let [a, b, c] = self.intersector.faces()[face as usize];
             // Not array::map, which may be a call.
-            let vertex = |vertex: u32| self.intersector.vertices()[vertex as usize];
+            let vertex = |vertex: u32| DVec3::from(self.intersector.vertices()[vertex as usize]);
             let (a, b, c) = (vertex(a), vertex(b), vertex(c));
-            let sub = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
-            let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-            let (p, q) = (sub(b, a), sub(c, a));
-            let n = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-            let of_plane = dot(n, sub(a, origin)) / dot(n, direction);
+            let normal = (b - a).cross(c - a);
+            let of_plane = normal.dot(a - origin) / normal.dot(direction);
             // Where the ray is nearly in the plane, the rounded t is better.
             t = if (of_plane - t).abs() < 1e-3 * t { of_plane } else { t };
         }
-        std::array::from_fn(|axis| origin[axis] + t * direction[axis])
+        (origin + t * direction).to_array()
     }
 }
 
@@ -317,7 +311,8 @@ impl Mesh {
                 *next += 1;
                 (faces[to], of_rays[to]) = (i64::from(face), i64::from(ray));
                 let ray = ray as usize;
-                locations[to] = self.location(origins.get(ray), directions.get(ray), (t, face));
+                let of_ray = [origins.get(ray).into(), directions.get(ray).into()];
+                locations[to] = self.location(of_ray, (t, face));
             }
             (faces, of_rays, locations)
         });
@@ -374,11 +369,6 @@ impl Mesh {
             }
         }
     }
-}
-
-/// Returns a part of a column, which may be empty.
-fn part<'a, T>(column: &'a mut [T], range: &Range<usize>) -> &'a mut [T] {
-    if column.is_empty() { &mut [] } else { &mut column[range.clone()] }
 }
 
 /// Returns rows of three numbers as an array.

@@ -18,6 +18,8 @@ mod solution;
 pub use ray::{Crossing, ExactRay, Rule};
 pub use solution::{WIDTH, solve};
 
+use glam::DVec3;
+
 /// The least and the greatest absolute value of a coordinate, except 0, for which answers are exact.
 ///
 /// Differences of such numbers are multiples of 2⁻¹⁷² below 2¹²². The greatest product, N₁ D₂, has six of
@@ -31,33 +33,14 @@ pub const LEAST_DIRECTION: f64 = DOMAIN[0] / (1_u64 << 42) as f64;
 /// The error of a determinant in f64, relative to |p|₁ |q|∞ |r|∞.
 const BOUND: f64 = 16.0 * f64::EPSILON;
 
-/// A point, or a vector.
-pub type Point = [f64; 3];
-
-/// Returns p − q, rounded.
-#[inline(always)]
-fn sub(p: Point, q: Point) -> Point {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-#[inline(always)]
-fn dot(p: Point, q: Point) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-#[inline(always)]
-fn cross(p: Point, q: Point) -> Point {
-    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-}
-
 /// Returns the largest absolute component.
 #[inline(always)]
-fn largest(p: Point) -> f64 {
-    p[0].abs().max(p[1].abs()).max(p[2].abs())
+fn largest(p: DVec3) -> f64 {
+    p.abs().max_element()
 }
 
 /// Returns the sum of the absolute components.
 #[inline(always)]
-fn length_1(p: Point) -> f64 {
-    p[0].abs() + p[1].abs() + p[2].abs()
+fn length_1(p: DVec3) -> f64 {
+    p.abs().element_sum()
 }

@@ -1,7 +1,8 @@
 //! The verdicts: whether a ray hits a triangle, and which of two hits is nearer.
 
 use super::expansion::{Expansion, sign};
-use super::{BOUND, Point, cross, dot, largest, length_1, sub};
+use super::{BOUND, largest, length_1};
+use glam::DVec3;
 use std::cmp::Ordering::{self, Equal, Greater, Less};
 
 /// The rule by which rays hit edges and vertices.
@@ -22,9 +23,9 @@ pub enum Rule {
 #[derive(Clone, Copy, Debug)]
 pub struct ExactRay {
     /// The point at t = 0.
-    pub origin: Point,
+    pub origin: DVec3,
     /// The vector from there to the point at t = 1.
-    pub direction: Point,
+    pub direction: DVec3,
     /// Hits count at a greater t.
     pub t_min: f64,
     /// Hits count at a lower t.
@@ -41,12 +42,12 @@ pub struct Crossing {
 impl ExactRay {
     /// Returns the crossing with a triangle if the ray hits it.
     #[inline]
-    pub fn hit(&self, triangle: &[Point; 3], rule: Rule) -> Option<Crossing> {
+    pub fn hit(&self, triangle: &[DVec3; 3], rule: Rule) -> Option<Crossing> {
         let [a, b, c] = *triangle;
-        let (a, b, c) = (sub(a, self.origin), sub(b, self.origin), sub(c, self.origin));
+        let (a, b, c) = (a - self.origin, b - self.origin, c - self.origin);
         let largest = largest(a).max(largest(b)).max(largest(c));
         let bound = BOUND * length_1(self.direction) * (largest * largest);
-        let edge = |p: Point, q: Point| dot(self.direction, cross(p, q));
+        let edge = |p: DVec3, q: DVec3| self.direction.dot(p.cross(q));
         let edges = [edge(b, c), edge(c, a), edge(a, b)];
         let least = edges[0].min(edges[1]).min(edges[2]);
         let most = edges[0].max(edges[1]).max(edges[2]);
@@ -67,7 +68,7 @@ impl ExactRay {
     /// Tests whether the line passes a triangle; some of the `edges` are within their `bound` of 0.
     #[cold]
     #[inline(never)]
-    fn passes(&self, triangle: &[Point; 3], edges: [f64; 3], bound: f64, rule: Rule) -> bool {
+    fn passes(&self, triangle: &[DVec3; 3], edges: [f64; 3], bound: f64, rule: Rule) -> bool {
         let corners = |edge: usize| (triangle[(edge + 1) % 3], triangle[(edge + 2) % 3]);
         let signs: [Ordering; 3] = std::array::from_fn(|edge| match edges[edge].abs() > bound {
             true => sign(edges[edge]),
@@ -81,27 +82,27 @@ impl ExactRay {
     }
 
     fn direction(&self) -> [Expansion; 3] {
-        self.direction.map(|component| Expansion::difference(component, 0.0))
+        differences(self.direction, DVec3::ZERO)
     }
 
     /// Returns d · (P × Q) for the ends of an edge.
-    fn side(&self, (p, q): (Point, Point)) -> Expansion {
+    fn side(&self, (p, q): (DVec3, DVec3)) -> Expansion {
         let [p, q] = [p, q].map(|point| differences(point, self.origin));
         exact_dot(&self.direction(), &exact_cross(&p, &q))
     }
 
     /// Returns the sign that d · (P × Q) = 0 takes if the origin is moved.
-    fn moved_side(&self, (p, q): (Point, Point)) -> Ordering {
+    fn moved_side(&self, (p, q): (DVec3, DVec3)) -> Ordering {
         first_sign(&exact_cross(&differences(p, q), &self.direction()))
     }
 
     /// Returns the crossing of the line and the plane of a triangle, which are not parallel.
     #[inline]
-    pub fn crossing(&self, triangle: &[Point; 3]) -> Crossing {
+    pub fn crossing(&self, triangle: &[DVec3; 3]) -> Crossing {
         let [a, b, c] = *triangle;
-        let (ab, ac, a) = (sub(b, a), sub(c, a), sub(a, self.origin));
-        let normal = cross(ab, ac);
-        let (n, d) = (dot(a, normal), dot(self.direction, normal));
+        let (ab, ac, a) = (b - a, c - a, a - self.origin);
+        let normal = ab.cross(ac);
+        let (n, d) = (a.dot(normal), self.direction.dot(normal));
         let edge = largest(ab).max(largest(ac));
         let bound = BOUND * (edge * edge);
         let (of_n, of_d) = (bound * length_1(a), bound * length_1(self.direction));
@@ -119,7 +120,7 @@ impl ExactRay {
 
     #[cold]
     #[inline(never)]
-    fn exact(&self, triangle: &[Point; 3]) -> ((f64, f64), (f64, f64)) {
+    fn exact(&self, triangle: &[DVec3; 3]) -> ((f64, f64), (f64, f64)) {
         let [n, d] = self.terms(triangle);
         (n.leading(), d.leading())
     }
@@ -127,7 +128,7 @@ impl ExactRay {
     /// Compares the t at which the ray crosses the planes of two triangles.
     #[cold]
     #[inline(never)]
-    fn compare(&self, [first, second]: &[[Point; 3]; 2]) -> Ordering {
+    fn compare(&self, [first, second]: &[[DVec3; 3]; 2]) -> Ordering {
         if first == second {
             return Equal;
         }
@@ -140,7 +141,7 @@ impl ExactRay {
     /// underflows.
     #[cold]
     #[inline(never)]
-    fn order(&self, triangle: &[Point; 3], bound: f64, rule: Rule) -> Ordering {
+    fn order(&self, triangle: &[DVec3; 3], bound: f64, rule: Rule) -> Ordering {
         let [n, d] = self.terms(triangle);
         let scale = match bound {
             bound if bound > f64::powi(2.0, 500) => f64::powi(0.5, 500),
@@ -154,25 +155,25 @@ impl ExactRay {
     }
 
     /// Returns N and D.
-    pub(super) fn terms(&self, triangle: &[Point; 3]) -> [Expansion; 2] {
+    pub(super) fn terms(&self, triangle: &[DVec3; 3]) -> [Expansion; 2] {
         let normal = normal(triangle);
         let n = exact_dot(&differences(triangle[0], self.origin), &normal);
         [n, exact_dot(&self.direction(), &normal)].map(Expansion::compressed)
     }
 
     /// Returns the weights of the second and the third corner, times D.
-    pub(super) fn weights(&self, &[a, b, c]: &[Point; 3]) -> [Expansion; 2] {
+    pub(super) fn weights(&self, &[a, b, c]: &[DVec3; 3]) -> [Expansion; 2] {
         [self.side((c, a)), self.side((a, b))].map(Expansion::compressed)
     }
 }
 
 /// Returns the exact differences of the components of two points.
-fn differences(p: Point, q: Point) -> [Expansion; 3] {
+fn differences(p: DVec3, q: DVec3) -> [Expansion; 3] {
     std::array::from_fn(|axis| Expansion::difference(p[axis], q[axis]))
 }
 
 /// Returns a triangle's exact normal.
-fn normal(&[a, b, c]: &[Point; 3]) -> [Expansion; 3] {
+fn normal(&[a, b, c]: &[DVec3; 3]) -> [Expansion; 3] {
     exact_cross(&differences(b, a), &differences(c, a)).map(Expansion::compressed)
 }
 
@@ -206,7 +207,7 @@ impl Crossing {
         &self,
         other: &Self,
         ray: &ExactRay,
-        triangles: impl FnOnce() -> [[Point; 3]; 2],
+        triangles: impl FnOnce() -> [[DVec3; 3]; 2],
     ) -> Ordering {
         match () {
             () if self.hi < other.lo => Less,

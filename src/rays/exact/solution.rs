@@ -4,10 +4,10 @@
 //! are expansions. With q = A × d the weights are (C − A) · q and −(B − A) · q: the edges keep them accurate
 //! far from the origin.
 
-use super::Point;
 use super::expansion::{fast_two_sum, two_product, two_sum};
 use super::ray::ExactRay;
 use crate::lane::F64x8;
+use glam::DVec3;
 
 /// The number of hits that are computed together.
 pub const WIDTH: usize = 8;
@@ -104,14 +104,14 @@ fn quotients(
 
 /// Returns the x, y and z of points.
 #[inline(always)]
-fn columns(points: [Point; WIDTH]) -> [F64x8; 3] {
+fn columns(points: [DVec3; WIDTH]) -> [F64x8; 3] {
     [0, 1, 2].map(|axis| F64x8::from(points.each_ref().map(|point| point[axis])))
 }
 
 /// Returns t and the barycentric weights of the second and the third corner, for rays and triangles that they
 /// hit.
 #[inline(never)]
-pub fn solve(rays: &[ExactRay; WIDTH], triangles: &[[Point; 3]; WIDTH]) -> [[f64; 3]; WIDTH] {
+pub fn solve(rays: &[ExactRay; WIDTH], triangles: &[[DVec3; 3]; WIDTH]) -> [[f64; 3]; WIDTH] {
     let corners = [0, 1, 2].map(|corner| columns(triangles.each_ref().map(|triangle| triangle[corner])));
     let origin = columns(rays.each_ref().map(|ray| ray.origin));
     let direction = columns(rays.each_ref().map(|ray| ray.direction));
@@ -129,7 +129,7 @@ pub fn solve(rays: &[ExactRay; WIDTH], triangles: &[[Point; 3]; WIDTH]) -> [[f64
 
 #[cold]
 #[inline(never)]
-fn expanded(ray: &ExactRay, triangle: &[Point; 3]) -> [f64; 3] {
+fn expanded(ray: &ExactRay, triangle: &[DVec3; 3]) -> [f64; 3] {
     let pair = |(high, low): (f64, f64)| (F64x8::splat(high), F64x8::splat(low));
     let ([n, d], [v, w]) = (ray.terms(triangle), ray.weights(triangle));
     let d = pair(d.leading());

@@ -4,6 +4,7 @@ use super::Error;
 use super::input::check;
 use super::surfaces::Surfaces;
 use crate::math::MISS;
+use std::cmp::Ordering;
 use std::mem::take;
 
 /// Hits as columns.
@@ -72,7 +73,7 @@ impl HitsMut<'_> {
     }
 
     /// Splits columns after `count` hits.
-    pub(super) fn split(self, count: usize) -> (Self, Self) {
+    pub fn split(self, count: usize) -> (Self, Self) {
         fn at<T>(column: &mut [T], count: usize) -> (&mut [T], &mut [T]) {
             column.split_at_mut(count.min(column.len()))
         }
@@ -148,39 +149,34 @@ fn set<T>(column: &mut [T], at: usize, value: T) {
     }
 }
 
-/// Sorts values by ray, of which there are `count`, in the order of finding. Returns the first value of each
-/// ray, and at the end the number of all, and the values.
-pub(super) fn by_ray<T: Copy>(found: &[(u32, T)], count: usize) -> (Vec<usize>, Vec<T>) {
-    let mut offsets = vec![0; count + 1];
-    found.iter().for_each(|&(ray, _)| offsets[ray as usize + 1] += 1);
-    (1..=count).for_each(|ray| offsets[ray] += offsets[ray - 1]);
-    let mut next = offsets.clone();
-    let mut sorted: Vec<T> = found.iter().map(|&(_, value)| value).collect();
+/// Sorts values by ray, of which there are `count`, and the values of each ray by `compare`; keeps the first
+/// `most` of each. Returns the first value of each ray, and at the end the number of all, and the values.
+pub(super) fn first_by_ray<T: Copy>(
+    found: &[(u32, T)],
+    [count, most]: [usize; 2],
+    compare: impl Fn(usize, &T, &T) -> Ordering,
+) -> (Vec<usize>, Vec<T>) {
+    // The place of the next value of each ray: at last the end of its values.
+    let mut next = vec![0; count + 1];
+    found.iter().for_each(|&(ray, _)| next[ray as usize + 1] += 1);
+    (1..=count).for_each(|ray| next[ray] += next[ray - 1]);
+    let mut values: Vec<T> = found.iter().map(|&(_, value)| value).collect();
     for &(ray, value) in found {
-        sorted[next[ray as usize]] = value;
+        values[next[ray as usize]] = value;
         next[ray as usize] += 1;
     }
-    (offsets, sorted)
-}
-
-/// Keeps the first `most` values of each ray.
-pub(super) fn keep_first<T>(most: usize, offsets: &mut [usize], values: &mut Vec<T>) {
-    if most == usize::MAX {
-        return;
-    }
-    let (mut index, mut ray) = (0, 0);
-    values.retain(|_| {
-        while index >= offsets[ray + 1] {
-            ray += 1;
+    let (mut offsets, mut start) = (vec![0; count + 1], 0);
+    for ray in 0..count {
+        let of_ray = start..next[ray];
+        values[of_ray.clone()].sort_unstable_by(|a, b| compare(ray, a, b));
+        let (kept, to) = (of_ray.len().min(most), offsets[ray]);
+        if to < start {
+            values.copy_within(start..start + kept, to);
         }
-        index += 1;
-        index - offsets[ray] <= most
-    });
-    let mut last = 0;
-    for ray in 1..offsets.len() {
-        let count = (offsets[ray] - std::mem::replace(&mut last, offsets[ray])).min(most);
-        offsets[ray] = offsets[ray - 1] + count;
+        (offsets[ray + 1], start) = (to + kept, of_ray.end);
     }
+    values.truncate(offsets[count]);
+    (offsets, values)
 }
 
 /// Every hit of each ray. The hits of ray i are those from `offsets[i]` to `offsets[i + 1]`, in order.

@@ -2,8 +2,8 @@
 //! of them, and [`crate::exact`] decides the others.
 
 use super::Error;
-use super::answer::{AllHits, HitColumns, HitsMut, by_ray, keep_first};
-use super::input::{OneRay, Rays};
+use super::answer::{AllHits, HitColumns, HitsMut, first_by_ray};
+use super::input::{Rays, check_exact};
 use super::order::TraceOrder;
 use super::scene_rays::{SceneRays, Usual};
 use super::surfaces::Surfaces;
@@ -13,6 +13,7 @@ use crate::kind::triangle::Candidate;
 use crate::math::MISS;
 use crate::traverse::Structure;
 use crate::traverse::every::{self, Memory, RoundedRay, VisitCandidates, visit_candidates_of_batch};
+use glam::DVec3;
 use std::cmp::Ordering;
 use std::mem::take;
 use std::ops::Range;
@@ -45,14 +46,15 @@ pub(super) struct ExactBatch {
 }
 
 impl Exact<'_> {
-    fn corners(&self, number: u32) -> [[f64; 3]; 3] {
+    #[inline(always)]
+    fn corners(&self, number: u32) -> [DVec3; 3] {
         self.surfaces.corners(number as usize)
     }
 
     /// Returns a ray that can hit something.
     #[inline(always)]
     fn ray(&self, at: usize) -> ExactRay {
-        self.rays.get(at).map(|ray| ray.exact()).expect("rays that hit nothing are left out")
+        self.rays.get(at).expect("rays that hit nothing are left out")
     }
 
     /// Compares two hits of a ray by t, then number.
@@ -89,8 +91,8 @@ impl Exact<'_> {
         let SceneRays { columns: [x, y, z, dx, dy, dz], greatest, .. } = &*scene_rays;
         for &at in &scene_rays.unusual {
             let Some(ray) = self.rays.get(range.start + at) else { continue };
-            ray.check(range.start + at)?;
-            self.trace_one(&ray.exact(), rule, memory, |found| visit(at, found));
+            check_exact(&ray, range.start + at)?;
+            self.trace_one(&ray, rule, memory, |found| visit(at, found));
         }
         let rays = columns::Rays::new([x, y, z], [dx, dy, dz]);
         let first = range.start;
@@ -203,11 +205,9 @@ impl Exact<'_> {
             found.push((at as u32, hit));
             None
         })?;
-        let (mut offsets, mut found) = by_ray(found, range.len());
-        for (of_ray, at) in offsets.windows(2).zip(range.clone()) {
-            found[of_ray[0]..of_ray[1]].sort_unstable_by(|a, b| self.compare(at, a, b));
-        }
-        keep_first(most, &mut offsets, &mut found);
+        let first = range.start;
+        let compare = |at: usize, a: &Found, b: &Found| self.compare(first + at, a, b);
+        let (offsets, found) = first_by_ray(found, [range.len(), most], compare);
         let of_rays = offsets
             .windows(2)
             .zip(range)
@@ -287,12 +287,5 @@ impl<V: FnMut(usize, Found) -> Option<f32>> VisitCandidates for Visitor<'_, V> {
             }
         }
         self.uncertain.clear();
-    }
-}
-
-impl OneRay {
-    fn exact(&self) -> ExactRay {
-        let Self { origin, direction, t_min, t_max } = *self;
-        ExactRay { origin, direction, t_min, t_max }
     }
 }

@@ -2,8 +2,10 @@
 
 use super::order::TraceOrder;
 use super::{Error, outside};
-use crate::exact::{DOMAIN, LEAST_DIRECTION};
+use crate::exact::{DOMAIN, ExactRay, LEAST_DIRECTION};
 use crate::lane::prefetch;
+use bytemuck::Zeroable;
+use glam::DVec3;
 use std::ops::Range;
 
 /// A t_min below 0 and above all other hits before 0: with it, a hit at t = 0 counts.
@@ -35,40 +37,20 @@ pub enum Points<'a> {
 }
 
 macro_rules! from_slices {
-    ($($variant:ident($number:ty)),*) => {$(
-        impl<'a> From<&'a [$number]> for Numbers<'a> {
-            fn from(numbers: &'a [$number]) -> Self {
-                Self::$variant(numbers)
+    ($($to:ident::$variant:ident: $([$($n:ident)?] $slice:ty),*;)*) => {$($(
+        impl<'a, $(const $n: usize)?> From<&'a $slice> for $to<'a> {
+            fn from(items: &'a $slice) -> Self {
+                Self::$variant(items)
             }
         }
-        impl<'a> From<&'a Vec<$number>> for Numbers<'a> {
-            fn from(numbers: &'a Vec<$number>) -> Self {
-                Self::$variant(numbers)
-            }
-        }
-        impl<'a, const N: usize> From<&'a [$number; N]> for Numbers<'a> {
-            fn from(numbers: &'a [$number; N]) -> Self {
-                Self::$variant(numbers)
-            }
-        }
-        impl<'a> From<&'a [[$number; 3]]> for Points<'a> {
-            fn from(points: &'a [[$number; 3]]) -> Self {
-                Self::$variant(points)
-            }
-        }
-        impl<'a> From<&'a Vec<[$number; 3]>> for Points<'a> {
-            fn from(points: &'a Vec<[$number; 3]>) -> Self {
-                Self::$variant(points)
-            }
-        }
-        impl<'a, const N: usize> From<&'a [[$number; 3]; N]> for Points<'a> {
-            fn from(points: &'a [[$number; 3]; N]) -> Self {
-                Self::$variant(points)
-            }
-        }
-    )*};
+    )*)*};
 }
-from_slices!(F32(f32), F64(f64));
+from_slices! {
+    Numbers::F32: [] [f32], [] Vec<f32>, [N] [f32; N];
+    Numbers::F64: [] [f64], [] Vec<f64>, [N] [f64; N];
+    Points::F32: [] [[f32; 3]], [] Vec<[f32; 3]>, [N] [[f32; 3]; N];
+    Points::F64: [] [[f64; 3]], [] Vec<[f64; 3]>, [N] [[f64; 3]; N];
+}
 
 impl From<f64> for Numbers<'_> {
     fn from(number: f64) -> Self {
@@ -203,36 +185,19 @@ pub(super) fn check(of: &'static str, found: usize, expected: usize) -> Result<(
 /// Rays: points `origin + t · direction` with t_min < t < t_max. Directions have any length.
 #[derive(Clone, Copy, Debug)]
 pub struct Rays<'a> {
-    origins: Points<'a>,
-    directions: Points<'a>,
+    pub(super) origins: Points<'a>,
+    pub(super) directions: Points<'a>,
     t_min: Numbers<'a>,
     t_max: Numbers<'a>,
 }
 
 /// Rays as columns. Lanes beyond the last ray hold zeros or earlier rays.
+#[derive(Zeroable)]
 pub(super) struct Block {
     pub origin: [[f64; BLOCK]; 3],
     pub direction: [[f64; BLOCK]; 3],
     pub t_min: [f64; BLOCK],
     pub t_max: [f64; BLOCK],
-}
-
-/// One ray that can hit something.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct OneRay {
-    pub origin: [f64; 3],
-    pub direction: [f64; 3],
-    pub t_min: f64,
-    pub t_max: f64,
-}
-
-impl Block {
-    pub const EMPTY: Self = Self {
-        origin: [[0.0; BLOCK]; 3],
-        direction: [[0.0; BLOCK]; 3],
-        t_min: [0.0; BLOCK],
-        t_max: [0.0; BLOCK],
-    };
 }
 
 impl<'a> Rays<'a> {
@@ -299,16 +264,6 @@ impl<'a> Rays<'a> {
         block.t_min.iter_mut().for_each(|t_min| *t_min = after(*t_min));
     }
 
-    /// Returns the origin of a ray.
-    pub(super) fn origin(&self, at: usize) -> [f64; 3] {
-        self.origins.get(at)
-    }
-
-    /// Returns the direction of a ray.
-    pub(super) fn direction(&self, at: usize) -> [f64; 3] {
-        self.directions.get(at)
-    }
-
     /// Fetches the origins and directions of the rays that [`Rays::load`] would return.
     #[inline(always)]
     pub(super) fn prefetch_block(&self, order: &TraceOrder, first: usize) {
@@ -334,16 +289,12 @@ impl<'a> Rays<'a> {
 
     /// Returns a ray; `None` if it hits nothing.
     #[inline(always)]
-    pub(super) fn get(&self, at: usize) -> Option<OneRay> {
-        let (origin, direction) = (self.origins.get(at), self.directions.get(at));
+    pub(super) fn get(&self, at: usize) -> Option<ExactRay> {
+        let (origin, direction) = (DVec3::from(self.origins.get(at)), DVec3::from(self.directions.get(at)));
         let [t_min, t_max] = self.ends(at);
-        let is_finite = origin.iter().chain(&direction).all(|component| component.is_finite());
-        (is_finite && direction != [0.0; 3] && t_min < t_max).then_some(OneRay {
-            origin,
-            direction,
-            t_min,
-            t_max,
-        })
+        let can_hit =
+            origin.is_finite() && direction.is_finite() && direction != DVec3::ZERO && t_min < t_max;
+        can_hit.then_some(ExactRay { origin, direction, t_min, t_max })
     }
 }
 
@@ -353,10 +304,9 @@ fn after(t_min: f64) -> f64 {
     if t_min < 0.0 { BEFORE_0 } else { t_min }
 }
 
-impl OneRay {
-    /// Tests whether the ray is in the range of numbers of exact answers.
-    pub fn check(&self, index: usize) -> Result<(), Error> {
-        let numbers = outside(self.origin, DOMAIN).or(outside(self.direction, [LEAST_DIRECTION, DOMAIN[1]]));
-        numbers.map_or(Ok(()), |number| Err(Error::Ray { index, number }))
-    }
+/// Tests whether a ray is in the range of numbers of exact answers.
+pub(super) fn check_exact(ray: &ExactRay, index: usize) -> Result<(), Error> {
+    let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
+    let numbers = outside(origin, DOMAIN).or(outside(direction, [LEAST_DIRECTION, DOMAIN[1]]));
+    numbers.map_or(Ok(()), |number| Err(Error::Ray { index, number }))
 }

@@ -102,11 +102,11 @@ impl TraceOrder {
 /// to be rows of an image: from one point, with directions that advance along each row.
 fn rows_of(rays: &Rays, range: Range<usize>) -> Option<(usize, usize)> {
     let count = range.len();
-    let origin = |at: usize| rays.origin(range.start + at);
+    let origin = |at: usize| rays.origins.get(range.start + at);
     if count < 4 * LEAST_WIDTH || [1, count / 2, count - 1].into_iter().any(|at| origin(at) != origin(0)) {
         return None;
     }
-    let direction = |at: usize| DVec3::from(rays.direction(range.start + at));
+    let direction = |at: usize| DVec3::from(rays.directions.get(range.start + at));
     let step = |at: usize| direction(at) - direction(at - 1);
     // A row ends where the step between directions turns by 90° or more.
     let next_row = |from: usize| {

@@ -5,6 +5,7 @@ use super::order::TraceOrder;
 use crate::coordinates::Coordinates;
 use crate::lane::F64x8;
 use crate::traverse::every::{BEFORE, EXTRA, FAR};
+use bytemuck::Zeroable;
 
 /// Rays in the coordinates of a structure, with directions of unit length. Origins far away are moved along
 /// them, as by [`RoundedRay`](crate::traverse::every::RoundedRay).
@@ -76,7 +77,7 @@ impl SceneRays {
         moved.resize(whole, 0.0);
         unusual.clear();
         let (mut greatest, is_endless) = ([V::ZERO; 2], rays.have_no_ends());
-        let mut block = Block::EMPTY;
+        let mut block = Block::zeroed();
         for first in (0..order.len()).step_by(BLOCK) {
             rays.prefetch_block(order, first + BLOCK);
             rays.load(order, first, &mut block);

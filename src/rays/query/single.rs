@@ -1,16 +1,16 @@
 //! Queries in [`super::Precision::Single`]: [`Tracer`] answers for a batch of rays at once, or every hit is
 //! visited.
 
-use super::answer::{AllHits, HitColumns, HitsMut, by_ray, keep_first, part};
-use super::input::{OneRay, Rays};
+use super::answer::{AllHits, HitColumns, HitsMut, first_by_ray, part};
+use super::input::Rays;
 use super::order::TraceOrder;
 use super::scene_rays::{SceneRays, Usual};
 use super::surfaces::Surfaces;
 use crate::columns::{self, Hits};
+use crate::exact::ExactRay;
 use crate::math::{Hit, MISS, Ray, Vec3};
 use crate::traverse::every::{Memory, visit_every_hit, visit_every_hit_of_batch};
 use crate::traverse::{Structure, Tracer};
-use glam::DVec3;
 use std::ops::Range;
 
 /// Rays that are traced together, and their hits.
@@ -68,17 +68,16 @@ impl Batch {
         }
         for &at in &*unusual {
             ends[at] = f32::NAN;
-            let Some(OneRay { origin, direction, t_min, t_max }) = rays.get(order.ray(at)) else {
+            let Some(ExactRay { origin, direction, t_min, t_max }) = rays.get(order.ray(at)) else {
                 continue;
             };
-            let direction = DVec3::from(direction);
             // Divided by the largest component, so that no square overflows or underflows.
             let largest = direction.abs().max_element();
             let length = largest * (direction / largest).length();
             let of_ray = length / coordinates.unit;
             if of_ray.is_normal() {
                 let direction = (direction / largest).normalize().as_vec3().to_array();
-                let from = coordinates.to_scene(origin.into()).as_vec3().to_array();
+                let from = coordinates.to_scene(origin).as_vec3().to_array();
                 columns.iter_mut().zip(from.into_iter().chain(direction)).for_each(|(to, x)| to[at] = x);
                 // A t that overflows is no hit.
                 (starts[at], ends[at]) = (start(t_min, of_ray), end(t_max.min(f64::MAX), of_ray));
@@ -196,12 +195,8 @@ impl Batch {
     ) -> AllHits {
         let count = range.len();
         self.gather(structure, rays, range, memory);
-        let (mut offsets, mut found) = by_ray(&self.found, count);
-        for ray in offsets.windows(2) {
-            let key = |hit: &Hit<f32>| (hit.t.to_bits(), hit.primitive);
-            found[ray[0]..ray[1]].sort_unstable_by_key(key);
-        }
-        keep_first(most, &mut offsets, &mut found);
+        let key = |hit: &Hit<f32>| (hit.t.to_bits(), hit.primitive);
+        let (offsets, found) = first_by_ray(&self.found, [count, most], |_, a, b| key(a).cmp(&key(b)));
         let mut hits = HitColumns::with_len(found.len());
         let places = offsets
             .windows(2)

@@ -125,10 +125,10 @@ impl Surfaces {
 
     /// Returns the corners of a triangle, by its index among all triangles.
     #[inline(always)]
-    pub(super) fn corners(&self, index: usize) -> [[f64; 3]; 3] {
+    pub(super) fn corners(&self, index: usize) -> [DVec3; 3] {
         // Not array::map, which may be a call.
-        let [a, b, c] = self.faces[index];
-        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
+        let ([a, b, c], corner) = (self.faces[index], |vertex: u32| self.vertices[vertex as usize].into());
+        [corner(a), corner(b), corner(c)]
     }
 
     /// Fetches the indices of a triangle's vertices into the cache.
@@ -171,8 +171,8 @@ impl Surfaces {
 
     /// Returns the lower and upper corner of all surfaces.
     pub(super) fn bounds(&self) -> [DVec3; 2] {
-        let of_face = |face: &[u32; 3]| {
-            let [a, b, c] = self.corner(face);
+        let of_face = |face: usize| {
+            let [a, b, c] = self.corners(face);
             [a.min(b).min(c), a.max(b).max(c)]
         };
         let of_sphere = |&(center, radius): &([f64; 3], f64)| {
@@ -180,12 +180,8 @@ impl Surfaces {
         };
         let nothing = || [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let union = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| [a.min(c), b.max(d)];
-        let faces = self.faces.par_iter().with_min_len(PER_THREAD);
+        let faces = (0..self.faces.len()).into_par_iter().with_min_len(PER_THREAD);
         self.spheres.iter().map(of_sphere).fold(faces.map(of_face).reduce(nothing, union), union)
-    }
-
-    fn corner(&self, face: &[u32; 3]) -> [DVec3; 3] {
-        face.map(|vertex| DVec3::from(self.vertices[vertex as usize]))
     }
 
     /// Returns the primitives in f32, relative to the middle of their [`Surfaces::bounds`]; in
@@ -200,10 +196,11 @@ impl Surfaces {
             center: to_scene(center.into()),
             radius: (radius / coordinates.unit) as f32,
         };
+        let faces = (0..self.faces.len()).into_par_iter();
         Geometry {
             coordinates,
             spheres: self.spheres.iter().map(sphere).collect(),
-            triangles: self.faces.par_iter().map(|face| self.corner(face).map(to_scene)).collect(),
+            triangles: faces.map(|face| self.corners(face).map(to_scene)).collect(),
         }
     }
 }

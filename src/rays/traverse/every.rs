@@ -4,7 +4,7 @@
 use super::hierarchy::Hierarchy;
 use super::single::descend;
 use super::stack::Stack;
-use super::stream::{ListedRay, Padded, Stream, VisitLeaf};
+use super::stream::{BatchHits, LeafTests, ListedRay, Padded, Stream};
 use super::structure::{Primitives, Structure};
 use crate::columns::Rays;
 use crate::kernel::ray_box::Padding;
@@ -134,13 +134,12 @@ impl RoundedRay {
     ///
     /// # Panics
     /// If the structure is no hierarchy.
-    pub fn new(structure: &Structure, origin: [f64; 3], direction: [f64; 3]) -> Option<Self> {
+    pub fn new(structure: &Structure, mut origin: DVec3, direction: DVec3) -> Option<Self> {
         let tree = hierarchy(structure);
         let extent = f64::from(tree.padding.extent());
-        let direction = DVec3::from(direction);
         let length = direction.length();
         let unit_direction = direction / length;
-        let mut origin = tree.coordinates.to_scene(origin.into());
+        origin = tree.coordinates.to_scene(origin);
         let (mut moved, mut extra, mut scale) = (0.0, 0.0, length / tree.coordinates.unit);
         let distance = origin.abs().max_element();
         if distance > FAR * extent {
@@ -233,21 +232,33 @@ struct Candidates<V> {
     visitor: V,
 }
 
-impl<V: VisitCandidates> VisitLeaf for Candidates<V> {
+impl<V: VisitCandidates> LeafTests for Candidates<V> {
     #[inline(always)]
     fn candidates(&self, listed: &ListedRay, leaf: &TriangleLeaf) -> u32 {
         leaf.conservative(listed.stored_woop(), &self.delta).candidates(&self.delta, listed.stream_ray.t)
     }
     #[inline(always)]
-    fn visit(&mut self, listed: &ListedRay, leaf: &TriangleLeaf, candidates: u32) -> Option<f32> {
-        let (mut new, visitor) = (None, &mut self.visitor);
+    fn take<const ANY: bool>(
+        &mut self,
+        entry: u16,
+        (leaf, candidates): (&TriangleLeaf, u32),
+        batch: &mut BatchHits,
+    ) {
+        let listed = ListedRay::new(entry, batch.stream_rays);
+        if ANY && listed.stream_ray.t < 0.0 {
+            return;
+        }
+        let (mut end, ray, visitor) = (None, listed.ray(), &mut self.visitor);
         let found = leaf.conservative(listed.stored_woop(), &self.delta);
         leaf.visit_candidates(candidates, &found, &self.delta, &mut |candidate| {
-            new = visitor.visit(listed.ray(), candidate).or(new);
+            end = visitor.visit(ray, candidate).or(end);
         });
-        new
+        if let Some(end) = end {
+            batch.stream_rays[ray].t = end;
+        }
     }
-    fn finish(&mut self, set_end: impl FnMut(usize, f32)) {
-        self.visitor.finish(set_end);
+    #[inline(always)]
+    fn finish<const ANY: bool>(&mut self, batch: &mut BatchHits) {
+        self.visitor.finish(|ray, end| batch.stream_rays[ray].t = end);
     }
 }

@@ -29,11 +29,11 @@ use crate::lane::{Bits, F32x8, Lane};
 use crate::math::Ray;
 use boxes::pass_boxes;
 use hit_batch::HitBatch;
-use leaf_tests::{LeafTests, Nearest};
+use leaf_tests::Nearest;
+pub use leaf_tests::{BatchHits, LeafTests};
 pub use listed::{BATCH, ListedRay};
 use listed::{entry_of, update_hit};
 use stream_ray::StreamRay;
-pub use visiting::VisitLeaf;
 
 /// The working memory of a thread: two MiB.
 pub struct Stream {
@@ -161,7 +161,7 @@ fn grow<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
 }
 
 /// The traversal of rays of a batch that are traced together.
-struct StreamTraversal<'a, 'b, C, T> {
+pub struct StreamTraversal<'a, 'b, C, T> {
     stream: &'a mut Stream,
     hierarchy: &'a Hierarchy,
     rays: &'a Rays<'a>,
@@ -228,7 +228,7 @@ impl<C: CounterSink, T: LeafTests> StreamTraversal<'_, '_, C, T> {
             spans[slot] = list(slot);
         }
         // Leaves first, because hits in them save tests of the nodes' children.
-        T::triangle_leaves::<ANY>(self, node, triangles, free, paired, count);
+        T::triangle_leaves::<ANY>(self, (node, triangles), (free, paired), count);
         for slot in slots(all & !triangles & !nodes) {
             let (start, count) = spans[slot];
             self.other_leaf::<ANY>(node.children()[slot], start, count);

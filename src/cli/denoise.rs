@@ -1,14 +1,11 @@
-//! `--denoise` and `--aovs`: denoised pictures beside their raw films, and what is seen in each pixel.
+//! `--denoise`: denoised pictures beside their raw films.
 
 use super::interrupt;
 use crate::checkpoint::{GuideRows, Shard};
 use crate::display::{Denoiser, Samples};
 use crate::film::{Film, Picture};
-use crate::integrate::aovs::Aovs;
 use crate::integrate::edge_aovs::DenoiserAovs;
-use crate::output::{OutputError, save_channels, save_unless};
-use crate::render::Renderer;
-use crate::scene::Scene;
+use crate::output::{OutputError, save_unless};
 use crate::tone::Tone;
 use std::path::{Path, PathBuf};
 
@@ -53,15 +50,4 @@ pub fn save(
 /// Returns a line for the report of a denoised picture.
 pub fn line(raw: &Path) -> String {
     format!("denoised; the raw film is {}\n", raw.display())
-}
-
-/// Saves the AOVs of a film's camera, and the film itself, as layers of one EXR file.
-pub fn save_aovs(
-    file: &Path,
-    renderer: &Renderer,
-    scene: &Scene,
-    film: &Film,
-    aovs: &(Aovs, DenoiserAovs),
-) -> Result<(), OutputError> {
-    save_channels(file, film.resolution(), renderer.channels(scene, film, aovs))
 }

@@ -20,7 +20,7 @@ use crate::methods;
 use crate::output::{self, Format, OutputError};
 use crate::render::{Renderer, Settings};
 use crate::report::numbers::mrays_per_s;
-use crate::report::render::{End, EstimatedError, Report};
+use crate::report::render::{End, Report};
 use crate::report::settings::RunSettings;
 use crate::report::stats;
 use crate::sampling::random::mix_bits;
@@ -177,7 +177,9 @@ impl Rendering {
         interrupt::hold();
         let seen = (report.denoised || job.aovs.is_some()).then(|| renderer.aovs());
         let aovs = match (&job.aovs, &seen) {
-            (Some(file), Some(seen)) => denoise::save_aovs(file, renderer, scene, &film, seen),
+            (Some(file), Some(seen)) => {
+                output::save_channels(file, film.resolution(), renderer.channels(scene, &film, seen))
+            }
             _ => Ok(()),
         };
         let guides = seen.filter(|_| report.denoised).map(|(_, guides)| guides);
@@ -260,7 +262,6 @@ impl Rendering {
         let target = &limits.target;
         let frames = (film.mean_samples() - traced.resumed_samples).round().max(1.0) as u32;
         let stats = || FrameStats::of(&renderer.take_stats(), settings.lanes, settings.threads, frames);
-        let estimated = target.map(|_| ErrorEstimate::of(film));
         Report {
             schema: "octray-render-1",
             scene: options.scene.to_string_lossy().into_owned(),
@@ -279,7 +280,7 @@ impl Rendering {
             ended_by: traced.end,
             time_limit: limits.time.map(|time| time.as_secs_f64()),
             target_error: target.map(|target| target.error),
-            estimated_error: estimated.map(|ErrorEstimate { rms, largest }| EstimatedError { rms, largest }),
+            estimated_error: target.map(|_| ErrorEstimate::of(film)),
             max_bounces: settings.max_bounces,
             seed: renderer.settings().seed,
             traversal: settings.methods.traversal_name(scene, settings.lanes),

@@ -57,6 +57,7 @@
 use crate::film::Film;
 use crate::film::TileSums;
 use crate::film::noise::luminance;
+use serde::Serialize;
 
 /// The lower limit of a pixel's luminance in its relative error, as a share of the picture's brightness.
 pub const LUMINANCE_FLOOR: f64 = 0.1;
@@ -118,7 +119,7 @@ impl Round {
 }
 
 /// The estimated error of a film's picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorEstimate {
     /// The root mean square of the blocks' errors over the picture; infinite before the first estimate.
     pub rms: f64,

@@ -1,5 +1,5 @@
 //! Closed sets of named alternatives: methods, samplers, tone operators. Each is defined once, by
-//! `choices!`; the command line, view files and reports share its names and help texts.
+//! `choice!` or `choices!`; the command line, view files and reports share its names and help texts.
 
 use serde::de::{Deserializer, Error, Visitor};
 use std::fmt;
@@ -36,14 +36,39 @@ pub fn deserialize<'de, C: Choice, D: Deserializer<'de>>(deserializer: D) -> Res
     deserializer.deserialize_str(Name(PhantomData))
 }
 
-/// Serialises and deserialises a [`Choice`] by its name.
-macro_rules! serde_by_name {
-    ($Choice:ty) => {
+/// Makes a type a [`Choice`] of the values in parentheses, each with a name and a help text. It is serialised
+/// by its name.
+macro_rules! choice {
+    ($Choice:ident: $(($($value:tt)+) = $name:literal, $about:literal;)+) => {
+        impl $Choice {
+            /// All alternatives, in the order in which help texts list them.
+            pub const ALL: [Self; [$($name),+].len()] = [$($($value)+),+];
+
+            /// Returns the name in the command line, in view files and in reports.
+            pub const fn name(self) -> &'static str {
+                match self { $($($value)+ => $name),+ }
+            }
+        }
+
+        impl $crate::choice::Choice for $Choice {
+            const NAMES: &'static [&'static str] = &[$($name),+];
+            fn all() -> &'static [Self] {
+                &Self::ALL
+            }
+            fn name(self) -> &'static str {
+                self.name()
+            }
+            fn about(self) -> &'static str {
+                match self { $($($value)+ => $about),+ }
+            }
+        }
+
         impl serde::Serialize for $Choice {
             fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
                 serializer.serialize_str(self.name())
             }
         }
+
         impl<'de> serde::Deserialize<'de> for $Choice {
             fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 $crate::choice::deserialize(deserializer)
@@ -52,8 +77,8 @@ macro_rules! serde_by_name {
     };
 }
 
-/// Defines an enum that is a [`Choice`]. Each variant has a name and a help text, which is also the first
-/// paragraph of its documentation.
+/// Defines an enum that is a [`Choice`]. The help text of each variant is also the first paragraph of its
+/// documentation.
 macro_rules! choices {
     (
         $(#[$meta:meta])*
@@ -67,31 +92,8 @@ macro_rules! choices {
             $(#[doc = $about] $(#[$variant_meta])* $Variant,)+
         }
 
-        impl $Choice {
-            /// All alternatives, in the order in which help texts list them.
-            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
-
-            /// Returns the name in the command line, in view files and in reports.
-            pub const fn name(self) -> &'static str {
-                match self { $(Self::$Variant => $name),+ }
-            }
-        }
-
-        impl $crate::choice::Choice for $Choice {
-            const NAMES: &'static [&'static str] = &[$($name),+];
-            fn all() -> &'static [Self] {
-                &Self::ALL
-            }
-            fn name(self) -> &'static str {
-                self.name()
-            }
-            fn about(self) -> &'static str {
-                match self { $(Self::$Variant => $about),+ }
-            }
-        }
-
-        $crate::choice::serde_by_name!($Choice);
+        $crate::choice::choice!($Choice: $((Self::$Variant) = $name, $about;)+);
     };
 }
 
-pub(crate) use {choices, serde_by_name};
+pub(crate) use {choice, choices};

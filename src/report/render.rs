@@ -2,7 +2,7 @@
 
 use super::numbers::figure;
 use super::settings::RunSettings;
-use crate::adaptive::MAX_BLOCK_ERROR;
+use crate::adaptive::{ErrorEstimate, MAX_BLOCK_ERROR};
 use crate::measure::stats::FrameStats;
 use crate::wording::grouped;
 use serde::Serialize;
@@ -55,7 +55,7 @@ pub struct Report {
     /// Relative standard error asked for, 0.05 for 5 %; null without one.
     pub target_error: Option<f64>,
     /// Estimate with a target error; null values are unknown.
-    pub estimated_error: Option<EstimatedError>,
+    pub estimated_error: Option<ErrorEstimate>,
     pub max_bounces: u32,
     pub seed: u32,
     /// The traversal of the scene's primitives: `linear` where every one is tested.
@@ -75,15 +75,6 @@ pub struct Report {
     pub interrupted: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stats: Option<FrameStats>,
-}
-
-/// The estimate of [`crate::adaptive`].
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct EstimatedError {
-    /// Root mean square over the picture, relative like the target.
-    pub rms: f64,
-    /// Relative error of the worst block of 16×16 pixels.
-    pub largest: f64,
 }
 
 impl Report {

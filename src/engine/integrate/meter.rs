@@ -6,9 +6,9 @@ use super::queue::PathQueue;
 use super::stats::{RayKind, Segment, Stage, Stats};
 use crate::camera::MAX_PIXELS;
 use crate::lane::Lane;
-use crate::rays::{Counts, Tracer};
+use crate::rays::Tracer;
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// The records of one thread's work.
 #[derive(Default)]
@@ -24,11 +24,11 @@ pub struct Observer {
 impl Observer {
     /// Starts statistics.
     pub fn start_stats(&mut self) {
-        self.meter = Some(Box::default());
+        self.meter = Some(Box::new(Meter { stats: Stats::default(), stage: None, since: Instant::now() }));
     }
     /// Ends statistics and returns them.
     pub fn take_stats(&mut self) -> Stats {
-        self.meter.take().map(|meter| meter.stats()).unwrap_or_default()
+        self.meter.take().map(|meter| meter.stats).unwrap_or_default()
     }
     /// Attributes the time from now on to this stage, or to none. Returns the previous stage.
     #[inline(always)]
@@ -56,7 +56,7 @@ impl Observer {
     #[inline(always)]
     pub fn begin_shadow_rays<L: Lane>(&mut self, rays: usize) {
         if let Some(meter) = &mut self.meter {
-            meter.shadow_rays += Segment::of(rays, L::WIDTH);
+            meter.stats.shadow_rays += Segment::of(rays, L::WIDTH);
             meter.begin(Some(Stage::ShadowRays));
         }
     }
@@ -69,14 +69,14 @@ impl Observer {
     /// Adds shadow rays that were asked again, one by one.
     pub fn add_shadow_rays(&mut self, rays: usize) {
         if let Some(meter) = &mut self.meter {
-            meter.shadow_rays += Segment::of(rays, 1);
+            meter.stats.shadow_rays += Segment::of(rays, 1);
         }
     }
     /// Adds the tests that a tracer has counted for a kind of ray.
     #[inline(always)]
     pub fn add_tests(&mut self, kind: RayKind, tracer: &mut Tracer) {
         if let Some(meter) = &mut self.meter {
-            meter.counts[kind as usize] += tracer.take_counts();
+            meter.stats.counts[kind as usize] += tracer.take_counts();
         }
     }
     /// Starts to record the lengths of a tile's paths.
@@ -95,39 +95,19 @@ impl Observer {
 /// The running statistics of one thread.
 #[derive(Debug)]
 struct Meter {
-    times: [Duration; Stage::ALL.len()],
-    segments: Vec<Segment>,
-    shadow_rays: Segment,
-    counts: [Counts; RayKind::ALL.len()],
+    stats: Stats,
     /// The current stage.
     stage: Option<Stage>,
     since: Instant,
 }
 
-impl Default for Meter {
-    fn default() -> Self {
-        Self {
-            times: [Duration::ZERO; Stage::ALL.len()],
-            segments: Vec::new(),
-            shadow_rays: Segment::default(),
-            counts: Default::default(),
-            stage: None,
-            since: Instant::now(),
-        }
-    }
-}
-
 impl Meter {
-    fn stats(&self) -> Stats {
-        let Self { times, ref segments, shadow_rays, counts, .. } = *self;
-        Stats { times, segments: segments.clone(), shadow_rays, counts }
-    }
     #[cold]
     #[inline(never)]
     fn begin(&mut self, stage: Option<Stage>) -> Option<Stage> {
         let now = Instant::now();
         if let Some(stage) = self.stage {
-            self.times[stage as usize] += now - self.since;
+            self.stats.times[stage as usize] += now - self.since;
         }
         self.since = now;
         std::mem::replace(&mut self.stage, stage)
@@ -139,11 +119,11 @@ impl Meter {
         if rays == 0 {
             return;
         }
-        let at = bounces as usize;
-        if self.segments.len() <= at {
-            self.segments.resize(at + 1, Segment::default());
+        let (segments, at) = (&mut self.stats.segments, bounces as usize);
+        if segments.len() <= at {
+            segments.resize(at + 1, Segment::default());
         }
-        self.segments[at] += Segment::of(rays, width);
+        segments[at] += Segment::of(rays, width);
     }
 }
 

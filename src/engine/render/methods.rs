@@ -1,7 +1,7 @@
 //! The methods of a rendering, chosen at run time: intersection methods, traversal, light sampling, sampler.
 
 use crate::buffers::Features;
-use crate::choice::{Choice, choices, serde_by_name};
+use crate::choice::{choice, choices};
 use crate::lights::{LightChoice, Lights};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
@@ -61,70 +61,20 @@ pub enum TraversalChoice {
     Through(Traversal),
 }
 
-impl TraversalChoice {
-    /// The values `auto` and `linear`, then every traversal.
-    const ALL: [Self; 2 + Traversal::ALL.len()] = {
-        let mut all = [Self::Auto; 2 + Traversal::ALL.len()];
-        all[1] = Self::Linear;
-        let mut index = 0;
-        while index < Traversal::ALL.len() {
-            all[2 + index] = Self::Through(Traversal::ALL[index]);
-            index += 1;
-        }
-        all
-    };
-    const ALL_NAMES: [&'static str; Self::ALL.len()] = {
-        let mut names = [""; Self::ALL.len()];
-        let mut index = 0;
-        while index < names.len() {
-            names[index] = Self::ALL[index].name();
-            index += 1;
-        }
-        names
-    };
-
-    /// Returns the name that the command line, view files and reports use.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Linear => "linear",
-            Self::Through(Traversal::Scalar) => "scalar",
-            Self::Through(Traversal::Single) => "single",
-            Self::Through(Traversal::Packet) => "packet",
-            Self::Through(Traversal::Stream) => "stream",
-            Self::Through(Traversal::Hybrid) => "hybrid",
-        }
-    }
+choice! {
+    TraversalChoice:
+    (Self::Auto) = "auto", "Linear in small scenes, else hybrid (scalar with --lanes 1).";
+    (Self::Linear) = "linear", "Every primitive is tested.";
+    (Self::Through(Traversal::Scalar)) = "scalar",
+        "One ray at a time through the binary tree, without SIMD: the baseline, and used by --lanes 1.";
+    (Self::Through(Traversal::Single)) = "single",
+        "One ray at a time against the boxes of a node, or the primitives of a leaf, at once.";
+    (Self::Through(Traversal::Packet)) = "packet",
+        "Tiles of camera rays in a frustum; other rays as `stream` traces them.";
+    (Self::Through(Traversal::Stream)) = "stream", "Many rays together down the tree.";
+    (Self::Through(Traversal::Hybrid)) = "hybrid",
+        "The traversal that measured fastest for the rays at hand.";
 }
-
-impl Choice for TraversalChoice {
-    const NAMES: &'static [&'static str] = &Self::ALL_NAMES;
-    fn all() -> &'static [Self] {
-        &Self::ALL
-    }
-    fn name(self) -> &'static str {
-        self.name()
-    }
-    fn about(self) -> &'static str {
-        match self {
-            Self::Auto => "Linear in small scenes, else hybrid (scalar with --lanes 1).",
-            Self::Linear => "Every primitive is tested.",
-            Self::Through(Traversal::Scalar) => {
-                "One ray at a time through the binary tree, without SIMD: the baseline, and used by --lanes 1."
-            }
-            Self::Through(Traversal::Single) => {
-                "One ray at a time against the boxes of a node, or the primitives of a leaf, at once."
-            }
-            Self::Through(Traversal::Packet) => {
-                "Tiles of camera rays in a frustum; other rays as `stream` traces them."
-            }
-            Self::Through(Traversal::Stream) => "Many rays together down the tree.",
-            Self::Through(Traversal::Hybrid) => "The traversal that measured fastest for the rays at hand.",
-        }
-    }
-}
-
-serde_by_name!(TraversalChoice);
 
 impl Methods {
     /// Builds the structure of a scene for packets of `lanes` rays. Shadow rays end at `lights`. Without

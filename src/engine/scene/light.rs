@@ -1,6 +1,7 @@
 //! Lights without a surface: points, spots and distant lights.
 
 use glam::Vec3;
+use serde::Deserialize;
 
 /// A light of a scene that is no primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +37,8 @@ pub enum LightShape {
 }
 
 /// The meaning of candela and lux in the file of a light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum LightUnits {
     /// They are watts per steradian and per square metre.
     Radiometric,

@@ -9,6 +9,7 @@ use super::material::Material;
 use super::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 use octray_rays::{Coordinates, Geometry, Kind, KindCounts, Shape};
+use serde::Deserialize;
 use std::path::PathBuf;
 
 /// A valid scene: every index is in range, every number finite, every radius positive, no triangle has zero
@@ -177,7 +178,8 @@ impl Sphere {
 }
 
 /// A side of a sphere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Side {
     /// The outer side, as on a globe.
     #[default]

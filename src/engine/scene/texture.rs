@@ -1,6 +1,7 @@
 //! Textures and their texels.
 
 use crate::math::portable;
+use serde::Deserialize;
 use std::sync::LazyLock;
 
 /// An image for surfaces or the sky.
@@ -130,7 +131,8 @@ pub static SRGB_BORDERS: LazyLock<[f64; 255]> =
 
 /// The continuation of a texture beyond its edges on triangles. On spheres and the sky u repeats, and v is
 /// clamped, because it stays within [0, 1].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Wrap {
     /// The texture repeats.
     #[default]
@@ -161,7 +163,8 @@ impl Wrap {
 }
 
 /// The interpolation between texel centres.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Filter {
     /// The nearest texel.
     Nearest,

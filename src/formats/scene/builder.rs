@@ -7,12 +7,10 @@ use super::notes::Notes;
 use super::placement::Placement;
 use super::portal;
 use super::smooth;
-use super::texture::{Lookup, Textures};
+use super::texture::Textures;
 use super::vertex_colors::VertexColors;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use octray_engine::scene::{
-    Camera, Coordinates, Filter, Material, MaterialKind, Scene, Sky, Sphere, TexelKind, Triangle,
-};
+use octray_engine::scene::{Camera, Coordinates, Material, MaterialKind, Scene, Sky, Sphere, Triangle};
 use std::path::Path;
 
 /// Default resolution, at which speed is measured.
@@ -221,19 +219,6 @@ impl SceneBuilder {
             true => self.scene.warnings.push(warning.into()),
             false => self.more_warnings += 1,
         }
-    }
-    /// Loads the texture that the file `named_in` of a model names on a line, and returns its index; `None`
-    /// with a note if it cannot be loaded. See [`Files::find`].
-    pub fn find_texture(
-        &mut self,
-        (name, line): &(String, usize),
-        named_in: &Path,
-        model: &Path,
-        texel_kind: TexelKind,
-    ) -> Option<u32> {
-        let lookup = Lookup::repeating(Filter::Bilinear, texel_kind);
-        let found = self.textures.find(name, [named_in, model], lookup);
-        found.map_err(|why| self.notes.add(line, format!("the texture `{name}` is left out: {why}"))).ok()
     }
     /// Begins to keep the points of added triangles, for [`SceneBuilder::smooth`].
     pub fn keep_points(&mut self) {

@@ -4,11 +4,11 @@ use super::builder::SceneBuilder;
 use super::error::SceneError;
 use super::json::JsonPath;
 use super::material_extras;
-use super::native::{FilterFile, MaterialFile, SkyFile, WrapFile, WrapsFile};
+use super::native::{MaterialFile, SkyFile, WrapsFile};
 use super::spelling::did_you_mean;
 use super::texture::Lookup;
 use glam::Vec3;
-use octray_engine::scene::{Filter, MIN_LENGTH, Material, MaterialKind, Sky, TexelKind, Wrap};
+use octray_engine::scene::{MIN_LENGTH, Material, MaterialKind, Sky, TexelKind, Wrap};
 
 /// Least texture size. With a smaller one, texture coordinates could be infinite in single precision.
 const MIN_TEXTURE_SIZE: f64 = MIN_LENGTH;
@@ -62,8 +62,13 @@ pub fn material(
     };
     let cutoff = |cutoff| place.key("alpha_cutoff").fraction(cutoff);
     let alpha_cutoff = file.alpha_cutoff.map(cutoff).transpose()?;
+    let wrap = match file.wrap {
+        Some(WrapsFile::Each(each)) => each,
+        Some(WrapsFile::Both(both)) => [both; 2],
+        None => [Wrap::Repeat; 2],
+    };
     let mut load = |key: &'static str, path: &Option<String>, texel_kind| {
-        let lookup = Lookup { filter: filter(file.filter), wrap: wrap(file.wrap), kind: texel_kind };
+        let lookup = Lookup { filter: file.filter.unwrap_or_default(), wrap, kind: texel_kind };
         let load = |path| texture(builder, &place.key(key), path, lookup);
         path.as_deref().map(load).transpose()
     };
@@ -208,27 +213,6 @@ fn ior(place: &JsonPath, material_type: &str, x: f64) -> Result<f32, SceneError>
     if range.contains(&x) { place.number(x) } else { Err(place.error(what, mend)) }
 }
 
-fn filter(file: Option<FilterFile>) -> Filter {
-    match file {
-        Some(FilterFile::Nearest) => Filter::Nearest,
-        Some(FilterFile::Bilinear) | None => Filter::Bilinear,
-        Some(FilterFile::Trilinear) => Filter::Trilinear,
-    }
-}
-
-fn wrap(file: Option<WrapsFile>) -> [Wrap; 2] {
-    let each = match file {
-        Some(WrapsFile::Each(each)) => each,
-        Some(WrapsFile::Both(both)) => [both; 2],
-        None => [WrapFile::Repeat; 2],
-    };
-    each.map(|wrap| match wrap {
-        WrapFile::Repeat => Wrap::Repeat,
-        WrapFile::Clamp => Wrap::Clamp,
-        WrapFile::Mirror => Wrap::Mirror,
-    })
-}
-
 fn texture(
     builder: &mut SceneBuilder,
     place: &JsonPath,
@@ -269,7 +253,7 @@ pub fn sky(builder: &mut SceneBuilder, file: &SkyFile, place: &JsonPath) -> Resu
             turn: place.key("turn_degrees").turns(*turn_degrees)?,
             color: place.key("color").radiance(color.unwrap_or([1.0; 3]))?,
             texture: {
-                let lookup = Lookup::repeating(filter(file.filter), TexelKind::Color);
+                let lookup = Lookup::repeating(file.filter.unwrap_or_default(), TexelKind::Color);
                 texture(builder, &place.key("texture"), path, lookup)?
             },
         }),

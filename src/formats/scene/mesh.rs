@@ -5,9 +5,10 @@ use super::check::{is_near, is_within_bounds};
 use super::error::SceneError;
 use super::notes::Notes;
 use super::placement::Placement;
+use super::texture::Lookup;
 use earcut::Earcut;
 use glam::{DVec3, Vec2, Vec3};
-use octray_engine::scene::{Material, MaterialKind, TexelKind};
+use octray_engine::scene::{Filter, Material, MaterialKind, TexelKind};
 use std::path::Path;
 
 /// The index that stands for a missing entry.
@@ -114,9 +115,12 @@ impl Mesh {
 
     /// Adds a material for each image to the builder. Returns their indices; `None` for an unreadable image.
     pub fn add_materials(&self, path: &Path, builder: &mut SceneBuilder) -> Vec<Option<u32>> {
-        let material = |image: &(String, usize)| {
-            let texture = Some(builder.find_texture(image, path, path, TexelKind::Color)?);
-            let material = Material::new(&image.0, MaterialKind::Diffuse, Vec3::ONE);
+        let lookup = Lookup::repeating(Filter::Bilinear, TexelKind::Color);
+        let material = |(name, line): &(String, usize)| {
+            let found = builder.textures.find(name, [path; 2], lookup);
+            let left_out = |why| builder.notes.add(line, format!("the texture `{name}` is left out: {why}"));
+            let texture = Some(found.map_err(left_out).ok()?);
+            let material = Material::new(name, MaterialKind::Diffuse, Vec3::ONE);
             Some(builder.add_material(Material { texture, ..material }, 1.0))
         };
         self.images.iter().map(material).collect()

@@ -9,7 +9,7 @@ use super::obj::Obj;
 use super::placement::Placement;
 use super::ply;
 use glam::Vec3;
-use octray_engine::scene::{Camera, LightUnits, Scene, Sky};
+use octray_engine::scene::{Scene, Sky};
 use std::path::Path;
 
 /// The extensions of the formats that are read.
@@ -61,34 +61,6 @@ impl Model {
         };
         mesh.add(path, builder, material, &own, placement)
     }
-
-    /// Adds the model's lights to the builder of a scene that has the model's triangles. Without `units`, the
-    /// program that wrote the model decides.
-    pub fn add_lights(
-        &self,
-        path: &Path,
-        builder: &mut SceneBuilder,
-        placement: &Placement,
-        units: Option<LightUnits>,
-    ) -> Result<(), SceneError> {
-        match self {
-            Self::Gltf(gltf) => gltf.add_lights(path, builder, placement, units),
-            Self::Obj(_) | Self::Ply(_) => Ok(()),
-        }
-    }
-
-    /// Returns the model's camera, and the aspect ratio that it names.
-    pub fn camera(
-        &self,
-        path: &Path,
-        builder: &mut SceneBuilder,
-        placement: &Placement,
-    ) -> Result<Option<(Camera, Option<f64>)>, SceneError> {
-        match self {
-            Self::Gltf(gltf) => gltf.camera(path, builder, placement),
-            Self::Obj(_) | Self::Ply(_) => Ok(None),
-        }
-    }
 }
 
 /// The sky over a model that is loaded as a scene. Surfaces facing up, sideways and down differ under it;
@@ -115,8 +87,13 @@ pub fn scene(bytes: &[u8], path: &Path, files: &Files, name: String) -> Result<S
             "move this point nearer to them, or leave it out",
         ),
     })?;
-    model.add_lights(path, &mut builder, &Placement::IDENTITY, None)?;
-    let own = model.camera(path, &mut builder, &Placement::IDENTITY)?;
+    let own = match &model {
+        Model::Gltf(gltf) => {
+            gltf.add_lights(path, &mut builder, &Placement::IDENTITY, None)?;
+            gltf.camera(path, &mut builder, &Placement::IDENTITY)?
+        }
+        Model::Obj(_) | Model::Ply(_) => None,
+    };
     let (camera, aspect) = own.unwrap_or_else(|| (builder.scene.framing(None, None), None));
     if let Some((_, what, _)) = camera.fault() {
         let mend = "scale the model up, or move it nearer to the origin";

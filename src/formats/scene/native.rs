@@ -1,5 +1,6 @@
 //! Defines the keys and JSON types of the native scene file, without validation.
 
+use octray_engine::scene::{Filter, LightUnits, Side, Wrap};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::HashSet;
@@ -140,7 +141,7 @@ pub struct SkyFile {
     pub color: Option<[f64; 3]>,
     pub gradient: Option<GradientFile>,
     pub texture: Option<String>,
-    pub filter: Option<FilterFile>,
+    pub filter: Option<Filter>,
     pub turn_degrees: Option<f64>,
 }
 
@@ -151,22 +152,6 @@ pub struct GradientFile {
     pub top: [f64; 3],
 }
 
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "lowercase")]
-pub enum FilterFile {
-    Nearest,
-    Bilinear,
-    Trilinear,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "lowercase")]
-pub enum WrapFile {
-    Repeat,
-    Clamp,
-    Mirror,
-}
-
 /// The wraps along u and along v, or one for both.
 #[derive(Deserialize, Clone, Copy)]
 #[serde(
@@ -174,8 +159,8 @@ pub enum WrapFile {
     expecting = "\"repeat\", \"clamp\" or \"mirror\", or two of them, for u and v, expected \"clamp\""
 )]
 pub enum WrapsFile {
-    Both(WrapFile),
-    Each([WrapFile; 2]),
+    Both(Wrap),
+    Each([Wrap; 2]),
 }
 
 /// A material with the keys of all types. `material` checks which of them belong to `type`.
@@ -207,7 +192,7 @@ pub struct MaterialFile {
     pub alpha_cutoff: Option<f64>,
     /// Scene units that one repeat of the texture covers on triangles without `uvs`.
     pub texture_size: Option<f64>,
-    pub filter: Option<FilterFile>,
+    pub filter: Option<Filter>,
     pub wrap: Option<WrapsFile>,
 }
 
@@ -219,14 +204,7 @@ pub struct SphereFile {
     pub material: Option<String>,
     pub turn_degrees: Option<f64>,
     /// The side from which the texture is not mirrored. Missing: outside.
-    pub picture_from: Option<SideFile>,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "lowercase")]
-pub enum SideFile {
-    Outside,
-    Inside,
+    pub picture_from: Option<Side>,
 }
 
 #[derive(Deserialize)]
@@ -261,14 +239,7 @@ pub struct MeshFile {
     /// Whether the model's camera may be the scene's. Missing: it may, if the scene has none.
     pub camera: Option<bool>,
     /// Missing: decided by the program that wrote the model.
-    pub light_units: Option<LightUnitsFile>,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "lowercase")]
-pub enum LightUnitsFile {
-    Radiometric,
-    Blender,
+    pub light_units: Option<LightUnits>,
 }
 
 /// A light with the keys of all types. `light` checks which of them belong to `type`.

@@ -12,14 +12,12 @@ use super::light::light;
 use super::material;
 use super::mesh::Unusable;
 use super::model::{self, Model};
-use super::native::{
-    FORMAT, LightUnitsFile, MeshFile, PortalFile, SceneFile, SideFile, SphereFile, TriangleFile, VIEW_FORMAT,
-};
+use super::native::{FORMAT, MeshFile, PortalFile, SceneFile, SphereFile, TriangleFile, VIEW_FORMAT};
 use super::placement::Placement;
 use super::portal::portal;
 use super::spelling::nearest;
 use glam::{DVec3, Vec3};
-use octray_engine::scene::{Camera, Coordinates, LightUnits, MAX_COORDINATE, Scene, Side, Sky, Sphere};
+use octray_engine::scene::{Camera, Coordinates, MAX_COORDINATE, Scene, Sky, Sphere};
 use std::collections::HashMap;
 use std::path::Path;
 use std::rc::Rc;
@@ -220,10 +218,7 @@ impl<'a> Loader<'a> {
             center: center.as_vec3(),
             radius: radius as f32,
             material: self.material(file.material.as_ref(), place)?,
-            texture_side: match file.picture_from {
-                Some(SideFile::Inside) => Side::Inside,
-                Some(SideFile::Outside) | None => Side::Outside,
-            },
+            texture_side: file.picture_from.unwrap_or_default(),
         };
         self.builder.add_sphere(sphere, (center, radius));
         Ok(())
@@ -276,15 +271,12 @@ impl<'a> Loader<'a> {
             let what = "`light_units` of lights that are left out";
             return Err(place.key("light_units").error(what, "remove it, or remove `lights`"));
         }
+        let Model::Gltf(gltf) = model else { return Ok(()) };
         if file.lights != Some(false) {
-            let units = file.light_units.map(|units| match units {
-                LightUnitsFile::Radiometric => LightUnits::Radiometric,
-                LightUnitsFile::Blender => LightUnits::Blender,
-            });
-            model.add_lights(path, &mut self.builder, placement, units)?;
+            gltf.add_lights(path, &mut self.builder, placement, file.light_units)?;
         }
         if file.camera != Some(false) && self.seeks_camera && self.camera.is_none() {
-            self.camera = model.camera(path, &mut self.builder, placement)?;
+            self.camera = gltf.camera(path, &mut self.builder, placement)?;
         }
         Ok(())
     }

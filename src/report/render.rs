@@ -54,7 +54,7 @@ pub struct Report {
     pub time_limit: Option<f64>,
     /// Relative standard error asked for, 0.05 for 5 %; null without one.
     pub target_error: Option<f64>,
-    /// Estimate with a target error; null values are unknown.
+    /// Estimate with a target error, relative like it; null values are unknown.
     pub estimated_error: Option<ErrorEstimate>,
     pub max_bounces: u32,
     pub seed: u32,

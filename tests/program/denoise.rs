@@ -82,6 +82,7 @@ fn shards_are_denoised_when_they_are_merged_and_frames_each() {
     }
 }
 
+/// Two million paths take longer than a millisecond on every machine.
 #[test]
 fn pictures_with_pixels_without_samples_are_not_denoised() {
     let desk = Desk::new();

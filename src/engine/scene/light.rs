@@ -36,7 +36,7 @@ pub enum LightShape {
     Directional { direction: Vec3, irradiance: Vec3, angular_diameter_degrees: f32 },
 }
 
-/// The meaning of candela and lux in the file of a light.
+/// The meaning of candela and lux in the file of a light. Scene files have these names in lower case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LightUnits {

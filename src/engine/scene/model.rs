@@ -177,7 +177,7 @@ impl Sphere {
     }
 }
 
-/// A side of a sphere.
+/// A side of a sphere. Scene files have these names in lower case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {

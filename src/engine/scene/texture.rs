@@ -13,7 +13,7 @@ pub struct Texture {
     pub width: u32,
     /// The number of rows of texels.
     pub height: u32,
-    /// The interpolation between texel centres.
+    /// The interpolation between texel centres. Scene files have these names in lower case.
     pub filter: Filter,
     /// The continuation beyond the edges, along u and along v.
     pub wrap: [Wrap; 2],
@@ -130,7 +130,7 @@ pub static SRGB_BORDERS: LazyLock<[f64; 255]> =
     LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear((byte as f64 + 0.5) / 255.0)));
 
 /// The continuation of a texture beyond its edges on triangles. On spheres and the sky u repeats, and v is
-/// clamped, because it stays within [0, 1].
+/// clamped, because it stays within [0, 1]. Scene files have these names in lower case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Wrap {

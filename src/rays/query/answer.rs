@@ -72,7 +72,7 @@ impl HitsMut<'_> {
         lengths.into_iter().filter(|&length| length > 0).try_for_each(|found| check("hits", found, count))
     }
 
-    /// Splits columns after `count` hits.
+    /// Splits columns after `count` hits. Columns that are left out stay empty.
     pub fn split(self, count: usize) -> (Self, Self) {
         fn at<T>(column: &mut [T], count: usize) -> (&mut [T], &mut [T]) {
             column.split_at_mut(count.min(column.len()))
@@ -150,13 +150,14 @@ fn set<T>(column: &mut [T], at: usize, value: T) {
 }
 
 /// Sorts values by ray, of which there are `count`, and the values of each ray by `compare`; keeps the first
-/// `most` of each. Returns the first value of each ray, and at the end the number of all, and the values.
+/// `most` of each. Returns where the values of each ray begin, with the number of all at the end, and the
+/// values.
 pub(super) fn first_by_ray<T: Copy>(
     found: &[(u32, T)],
     [count, most]: [usize; 2],
     compare: impl Fn(usize, &T, &T) -> Ordering,
 ) -> (Vec<usize>, Vec<T>) {
-    // The place of the next value of each ray: at last the end of its values.
+    // The place of the next value of each ray. After the second loop it is the end of its values.
     let mut next = vec![0; count + 1];
     found.iter().for_each(|&(ray, _)| next[ray as usize + 1] += 1);
     (1..=count).for_each(|ray| next[ray] += next[ray - 1]);

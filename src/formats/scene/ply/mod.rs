@@ -67,8 +67,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     Ok(mesh)
 }
 
-/// Reads the rows of an element, and adds the note that `read` returns about one. It gets one number of each
-/// property, of a list the last one; the content of the list `vertex_indices`; and that of the list
+/// Reads the rows of an element, and adds the note that `read` returns about one. `read` gets one number of
+/// each property, of a list the last one; the content of the list `vertex_indices`; and that of the list
 /// `texcoord`: u and v of each corner.
 fn each_row(
     reader: &mut Reader,

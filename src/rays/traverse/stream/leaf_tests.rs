@@ -1,4 +1,5 @@
-//! Tests the rays of a node against its leaves of triangles: a few rays in one loop, many in two.
+//! Tests the rays of a node against its leaves of triangles, in two loops; for the nearest hit of a few rays,
+//! in one.
 
 use super::hit_batch::HitBatch;
 use super::listed::{BATCH, ListedRay, update_hit};
@@ -21,7 +22,7 @@ const MAX_LEAVES: usize = 2;
 /// The tests of rays that reach leaves of triangles.
 pub trait LeafTests: Sized {
     /// Tests the `paired` rays listed from `start` on, each against the leaf of triangles in its slot. The
-    /// rays come from the `count` rays of a node.
+    /// rays come from `_count` rays of a node. By default all lists are tested in two loops.
     #[inline(always)]
     fn triangle_leaves<const ANY: bool>(
         rays: &mut StreamTraversal<'_, '_, impl CounterSink, Self>,
@@ -40,7 +41,7 @@ pub trait LeafTests: Sized {
     }
     /// Takes the candidates of a ray, given by its entry, in a leaf.
     fn take<const ANY: bool>(&mut self, entry: u16, leaf: (&TriangleLeaf, u32), batch: &mut BatchHits);
-    /// Ends the tests of a node.
+    /// Ends the tests of a node that had any.
     fn finish<const ANY: bool>(&mut self, batch: &mut BatchHits);
 }
 
@@ -94,7 +95,7 @@ impl LeafTests for Nearest {
     fn take<const ANY: bool>(&mut self, entry: u16, leaf: (&TriangleLeaf, u32), batch: &mut BatchHits) {
         batch.push(entry, leaf, BatchHits::accept::<ANY>);
     }
-    // Before the next node, because hits end rays.
+    // Pairs are accepted before the next node, because hits end rays.
     #[inline(always)]
     fn finish<const ANY: bool>(&mut self, batch: &mut BatchHits) {
         if !batch.pairs.is_empty() {
@@ -127,7 +128,7 @@ impl<C: CounterSink> StreamTraversal<'_, '_, C, Nearest> {
 }
 
 impl<C: CounterSink, T: LeafTests> StreamTraversal<'_, '_, C, T> {
-    /// Tests long lists in two loops: the first tests all pairs, without a branch; the second takes its
+    /// Tests a list in two loops: the first tests all pairs, without a branch; the second takes its
     /// results. One test in ten finds a hit; a branch for it is often mispredicted. The tests begun behind it
     /// are then lost, which costs some 110 cycles, as much as four tests.
     #[inline(never)]

@@ -5,9 +5,7 @@ use crate::common::*;
 use octray::kernel::bsdf::albedo::Albedo;
 use octray::kernel::bsdf::rough_glass::RoughGlass;
 use octray::kernel::bsdf::{Horizon, LobeNormals, ggx, glass_albedo};
-use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use std::sync::Mutex;
 
 fn lane(v: DVec3) -> math::Vec3<f32> {
     math::Vec3::splat(v.as_vec3())
@@ -21,18 +19,14 @@ fn arriving(degrees: f64) -> (DVec3, DVec3) {
     (-(n * cos + t * sin), n)
 }
 
-/// The factor 1 / E of a direction by tables, which are computed once. With a map they are those of roughness
-/// 1.
+/// The factor 1 / E of a direction by tables. With a map they are those of roughness 1.
 fn compensation(cos: f64, roughness: f32, (ior, outside): (f32, bool), is_mapped: bool) -> f32 {
-    static TABLES: Mutex<BTreeMap<[u32; 2], Vec<[f32; 8]>>> = Mutex::new(BTreeMap::new());
     let (alpha, cos) = (roughness * roughness, cos as f32);
     if ior < 0.0 {
         return 1.0 / Albedo::of(cos, alpha).white;
     }
     let stated = if is_mapped { 1.0 } else { roughness };
-    let mut tables = TABLES.lock().unwrap();
-    let table = tables.entry([ior, if is_mapped { -1.0 } else { stated }].map(f32::to_bits));
-    let table = table.or_insert_with(|| glass_albedo::table(ior, stated, is_mapped));
+    let table = glass_albedo::table(ior, stated, is_mapped);
     let cell = glass_albedo::Cell::of(cos, alpha, stated * stated);
     1.0 / cell.interpolate(table[cell.row as usize], outside)
 }

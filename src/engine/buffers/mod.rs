@@ -213,10 +213,10 @@ impl GlassTables {
         let table = self.0.iter().position(|known| Some(*known) == key).unwrap_or(0);
         ((table * glass_albedo::ROWS) as u32, key.map_or(1.0, |(ior, ..)| ior))
     }
-    /// Computes the tables.
+    /// Returns the tables, one after the other.
     fn rows(&self) -> Rows {
         let table = |&(ior, roughness, is_mapped)| glass_albedo::table(ior, roughness, is_mapped);
-        Rows::new(self.0.iter().flat_map(table))
+        Rows::new(self.0.iter().map(table).flat_map(|table| table.to_vec()))
     }
 }
 

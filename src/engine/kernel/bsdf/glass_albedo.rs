@@ -11,6 +11,7 @@
 use super::{fresnel, ggx};
 use crate::lane::Lane;
 use crate::math::portable;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The numbers of entries along t and the factor of the roughness.
 const COSINES: usize = 64;
@@ -21,10 +22,38 @@ pub const ROWS: usize = (COSINES - 1) * (FACTORS - 1);
 const POINTS: usize = 1597;
 const STEP: usize = 987;
 
-/// Computes the table of an index of refraction and a roughness. Unless `is_mapped`, only entries of the
-/// factor 1 are computed. Each row is a cell: E at two neighbouring t for one factor, then for the next, from
-/// outside; then the same from inside.
-pub fn table(ior: f32, roughness: f32, is_mapped: bool) -> Vec<[f32; 8]> {
+/// A table. Each row is a cell: E at two neighbouring t for one factor, then for the next, from outside; then
+/// the same from inside.
+pub type Table = Arc<[[f32; 8]]>;
+
+/// The index of refraction and the roughness of a table (their bits), and whether a map multiplies the
+/// roughness.
+type Key = (u32, u32, bool);
+
+/// The last tables: one takes longer to compute than a small picture to render, and a scene may have many
+/// renderers.
+static LAST: Mutex<Vec<(Key, Table)>> = Mutex::new(Vec::new());
+/// The number of tables that are kept, 30 kB each.
+const KEPT: usize = 32;
+
+/// Returns the table of an index of refraction and a roughness.
+pub fn table(ior: f32, roughness: f32, is_mapped: bool) -> Table {
+    let key = (ior.to_bits(), roughness.to_bits(), is_mapped);
+    let lock = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, table)) = lock().iter().find(|(other, _)| *other == key) {
+        return table.clone();
+    }
+    let table = compute(ior, roughness, is_mapped);
+    let mut last = lock();
+    if last.len() == KEPT {
+        last.remove(0);
+    }
+    last.push((key, table.clone()));
+    table
+}
+
+/// Computes a table. Unless `is_mapped`, only entries of the factor 1 are computed.
+fn compute(ior: f32, roughness: f32, is_mapped: bool) -> Table {
     let ior = f64::from(ior);
     let turn = |point: usize| {
         let angle = std::f64::consts::PI * (point * STEP % POINTS) as f64 / POINTS as f64;

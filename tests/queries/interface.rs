@@ -238,11 +238,12 @@ fn answers_do_not_depend_on_the_rays_beside() {
 fn negative_t_min_counts_hits_at_the_origin() {
     let triangle = (vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
     let exact = built(&[triangle], Precision::Exact);
-    let rays = Rays::new(&[[0.25, 0.25, 0.0]; 1], &[[0.0, 0.1, 1.0]; 1]);
-    assert_eq!(exact.closest(&rays).unwrap().primitive, [MISS]);
+    let rays = Rays::new(&[[0.25, 0.25, 0.0]; 2], &[[0.0, 0.1, 1.0], [0.0, 0.1, -1.0]]);
+    assert_eq!(exact.closest(&rays).unwrap().primitive, [MISS; 2]);
     for t_min in [-1.0, -INFINITE, -1e-300] {
         let hits = exact.closest(&rays.after(t_min)).unwrap();
-        assert_eq!((hits.t[0], hits.primitive[0]), (0.0, 0));
+        assert_eq!(hits.primitive, [0; 2]);
+        assert!(hits.t.iter().all(|t| t.to_bits() == 0), "0, and not -0: {:?}", hits.t);
         let behind = Rays::new(&[[0.25, 0.25, 1e-9]; 1], &[[0.0, 0.1, 1.0]; 1]).after(t_min);
         assert_eq!(exact.occluded(&behind), Ok(vec![false]));
     }

@@ -121,9 +121,9 @@ pub fn solve(rays: &[ExactRay; WIDTH], triangles: &[[DVec3; 3]; WIDTH]) -> [[f64
         let ray = &rays[lane];
         let numbers =
             if are_accurate[lane] { [t[lane], v[lane], w[lane]] } else { expanded(ray, &triangles[lane]) };
-        // Exact values obey these limits; rounding must not leave them.
+        // Exact values obey these limits; rounding must not leave them. Adding 0 makes −0 a 0.
         let [t, v, w] = numbers;
-        [t.clamp(ray.t_min, ray.t_max), v.clamp(0.0, 1.0), w.clamp(0.0, 1.0)]
+        [t.clamp(ray.t_min, ray.t_max), v.clamp(0.0, 1.0), w.clamp(0.0, 1.0)].map(|number| number + 0.0)
     })
 }
 

@@ -36,8 +36,8 @@ pub fn deserialize<'de, C: Choice, D: Deserializer<'de>>(deserializer: D) -> Res
     deserializer.deserialize_str(Name(PhantomData))
 }
 
-/// Makes a type a [`Choice`] of the values in parentheses, each with a name and a help text. Files have
-/// its name.
+/// Makes a type a [`Choice`] of the values in parentheses, each with a name and a help text. In files
+/// a value is its name.
 macro_rules! choice {
     ($Choice:ident: $(($($value:tt)+) = $name:literal, $about:literal;)+) => {
         impl $Choice {

@@ -3,27 +3,31 @@
 //! The standard library's `is_x86_feature_detected!` cannot be used: for every feature that the program was
 //! compiled for, it is true without a query, which is the case to detect. CPUID is read instead.
 
-/// The name of an instruction set that matters to the program, whether the program was compiled for it, and
-/// whether the machine has it and its operating system enables it.
-type Feature = (&'static str, bool, bool);
+/// An instruction set that matters to the program.
+struct Feature {
+    name: &'static str,
+    /// Whether the program was compiled for it.
+    is_compiled: bool,
+    /// Whether the machine has it and its operating system enables it.
+    is_present: bool,
+}
 
 /// A list of features: name, and whether the machine has it.
 macro_rules! features {
     ($($name:tt: $is_present:expr,)*) => {
-        vec![$(($name, cfg!(target_feature = $name), $is_present)),*]
+        vec![$(Feature { name: $name, is_compiled: cfg!(target_feature = $name), is_present: $is_present }),*]
     };
 }
 
 /// Returns the instruction sets that the program was compiled for, among those that matter to it.
 pub fn compiled() -> Vec<&'static str> {
-    known().into_iter().filter_map(|(name, is_compiled, _)| is_compiled.then_some(name)).collect()
+    known().iter().filter(|feature| feature.is_compiled).map(|feature| feature.name).collect()
 }
 
 /// Returns those of the same instruction sets that this machine has and its operating system enables; `None`
 /// on processors other than x86-64, where there is no query.
 pub fn present() -> Option<Vec<&'static str>> {
-    let names =
-        || known().into_iter().filter_map(|(name, _, is_present)| is_present.then_some(name)).collect();
+    let names = || known().iter().filter(|feature| feature.is_present).map(|feature| feature.name).collect();
     cfg!(target_arch = "x86_64").then(names)
 }
 

@@ -64,13 +64,17 @@ fn rays<'a>((origins, directions, t_min, t_max): &'a RayArrays) -> PyResult<Rays
     Ok(rays.after(t_min.numbers()?).until(t_max.numbers()?))
 }
 
+/// Returns the error of a part of the rays as that of all; `index_of` gives the index of a ray among all.
+fn among_all(error: Error, index_of: impl Fn(usize) -> usize) -> Error {
+    match error {
+        Error::Ray { index, number } => Error::Ray { index: index_of(index), number },
+        other => other,
+    }
+}
+
 /// Converts the error of a part of the rays, whose first is ray `first` of all.
 fn error(error: Error, first: usize) -> PyErr {
-    let error = match error {
-        Error::Ray { index, number } => Error::Ray { index: index + first, number },
-        other => other,
-    };
-    PyValueError::new_err(error.to_string())
+    PyValueError::new_err(among_all(error, |index| index + first).to_string())
 }
 
 /// A mesh that is ready for queries.
@@ -254,10 +258,8 @@ impl Mesh {
             let (places, between): (Vec<usize>, Vec<[f64; 3]>) =
                 range.map(|at| points.get(at)).enumerate().filter(|(_, point)| is_between(*point)).unzip();
             let count = |direction| {
-                of.count(&Rays::new(&between, direction)).map_err(|error| match error {
-                    Error::Ray { index, number } => Error::Ray { index: places[index], number },
-                    other => other,
-                })
+                let counts = of.count(&Rays::new(&between, direction));
+                counts.map_err(|error| among_all(error, |index| places[index]))
             };
             let [there, back] = directions.map(count);
             for (&place, (there, back)) in places.iter().zip(there?.into_iter().zip(back?)) {

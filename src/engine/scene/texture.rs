@@ -13,7 +13,7 @@ pub struct Texture {
     pub width: u32,
     /// The number of rows of texels.
     pub height: u32,
-    /// The interpolation between texel centres. Scene files have these names in lower case.
+    /// The interpolation between texel centres.
     pub filter: Filter,
     /// The continuation beyond the edges, along u and along v.
     pub wrap: [Wrap; 2],
@@ -162,7 +162,7 @@ impl Wrap {
     }
 }
 
-/// The interpolation between texel centres.
+/// The interpolation between texel centres. Scene files have these names in lower case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Filter {

@@ -26,9 +26,8 @@ const STEP: usize = 987;
 /// the same from inside.
 pub type Table = Arc<[[f32; 8]]>;
 
-/// The index of refraction and the roughness of a table (their bits), and whether a map multiplies the
-/// roughness.
-type Key = (u32, u32, bool);
+/// The index of refraction and the roughness of a table, and whether a map multiplies the roughness.
+type Key = (f32, f32, bool);
 
 /// The last tables: one takes longer to compute than a small picture to render, and a scene may have many
 /// renderers.
@@ -38,7 +37,7 @@ const KEPT: usize = 32;
 
 /// Returns the table of an index of refraction and a roughness.
 pub fn table(ior: f32, roughness: f32, is_mapped: bool) -> Table {
-    let key = (ior.to_bits(), roughness.to_bits(), is_mapped);
+    let key = (ior, roughness, is_mapped);
     let lock = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, table)) = lock().iter().find(|(other, _)| *other == key) {
         return table.clone();

@@ -39,7 +39,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
                 if element.count > 0 {
                     reader.notes.add(&element.line, format!("the element `{name}` is not read"));
                 }
-                each_row(&mut reader, element, |_, _, _| None)?;
+                each_row(&mut reader, element, |_| None)?;
             }
         }
     }
@@ -67,13 +67,21 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     Ok(mesh)
 }
 
-/// Reads the rows of an element, and adds the note that `read` returns about one. `read` gets one number of
-/// each property, of a list the last one; the content of the list `vertex_indices`; and that of the list
-/// `texcoord`: u and v of each corner.
+/// A row of an element.
+struct Row<'a> {
+    /// One number of each property: of a list, the last one.
+    values: &'a [f64],
+    /// The content of the list `vertex_indices`.
+    corners: &'a [f64],
+    /// The content of the list `texcoord`: u and v of each corner.
+    uvs: &'a [f64],
+}
+
+/// Reads the rows of an element, and adds the note that `read` returns about one.
 fn each_row(
     reader: &mut Reader,
     element: &Element,
-    mut read: impl FnMut(&[f64], &[f64], &[f64]) -> Option<&'static str>,
+    mut read: impl FnMut(Row) -> Option<&'static str>,
 ) -> Result<(), SceneError> {
     let (mut values, mut corners) = (vec![0.0; element.properties.len()], Vec::new());
     let mut uvs = Vec::new();
@@ -91,7 +99,7 @@ fn each_row(
                 }
             }
         }
-        if let Some(note) = read(&values, &corners, &uvs) {
+        if let Some(note) = read(Row { values: &values, corners: &corners, uvs: &uvs }) {
             reader.notes.add(&format!(" {} {number}", element.name), note);
         }
     }
@@ -133,7 +141,7 @@ fn read_vertices(mesh: &mut Mesh, reader: &mut Reader, element: &Element) -> Res
         return Err(reader.fault("vertices without x, y and z", "export the model again"));
     };
     mesh.colors_line = color.as_ref().map_or(mesh.colors_line, |at| element.properties[at[0]].line);
-    each_row(reader, element, |values, _, _| {
+    each_row(reader, element, |Row { values, .. }| {
         mesh.positions.push(three(&position, values));
         mesh.normals.extend(normal.as_deref().map(|at| three(at, values).normalize_or_zero().as_vec3()));
         mesh.colors.extend(color.as_deref().map(|at| three(at, values).as_vec3()));
@@ -165,7 +173,7 @@ fn read_faces(
     let (is_strips, before) = (element.name == "tristrips", mesh.faces.len());
     let [color, image] = columns(reader, element, [COLOR, &[&["texnumber"]]]);
     mesh.colors_line = color.as_ref().map_or(mesh.colors_line, |at| element.properties[at[0]].line);
-    each_row(reader, element, |values, corners, corner_uvs| {
+    each_row(reader, element, |Row { values, corners, uvs: corner_uvs }| {
         let first = mesh.corners.len();
         let number = image.as_deref().map_or(0.0, |at| values[at[0]]);
         let material = if number < 0.0 { NONE } else { number as u32 };
